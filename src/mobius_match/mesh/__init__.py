@@ -1,0 +1,10 @@
+"""Meshes: read from files or arrays, checked, repaired, and never renumbered behind the user's back."""
+
+from __future__ import annotations
+
+from .files import as_mesh, read_mesh
+from .report import describe, require_matchable
+from .mesh import Mesh
+from .repair import repair
+
+__all__ = ["Mesh", "as_mesh", "describe", "read_mesh", "repair", "require_matchable"]

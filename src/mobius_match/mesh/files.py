@@ -1,0 +1,120 @@
+"""Reading meshes from files and arrays: every failure is one `FormatError` or `MeshError` that names the file."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from ..errors import FormatError, MeshError
+from .formats.off import read_off
+from .formats.raw import RawMesh, check_corners, triangulate
+from .mesh import Mesh
+
+READERS: dict[str, Callable[[bytes], RawMesh]] = {
+    ".off": read_off,
+}
+
+
+def read_mesh(path: str | os.PathLike[str]) -> Mesh:
+    """Read a triangle or polygon mesh, keeping the vertex and face numbers of the file.
+
+    Parameters
+    ----------
+    path : str or path-like
+        A file ending in .off, .obj, .ply, .stl, .glb, .gltf, .vtk or .vtu.
+
+    Returns
+    -------
+    Mesh
+        Unrepaired: polygons are cut into triangles (`Mesh.face_ids` names the polygon of each), STL corners with
+        equal coordinates are joined (the format has no vertex numbers), nothing else is changed.
+
+    Raises
+    ------
+    FormatError
+        No such file, a folder, empty, an unknown ending, damaged or cut short.
+    MeshError
+        No vertices or faces, or coordinates that are not finite.
+    """
+    path, data = _load(path)
+    reader = READERS[path.suffix.lower()]
+    try:
+        raw = reader(data)
+        check_corners(raw)
+    except MeshError as error:
+        raise type(error)(f"{path}: {error}") from error
+    except (Exception, SystemExit) as error:
+        # Readers fail in countless ways on damaged files (meshio even exits); users get one error.
+        kind = path.suffix[1:].upper()
+        raise FormatError(
+            f"{path}: cannot be read as {kind} ({type(error).__name__}: {error}). The file is damaged, cut short or of "
+            "another kind than its name says: export it again."
+        ) from error
+    if not len(raw.vertices) or not len(raw.sizes):
+        raise MeshError(
+            f"{path}: {len(raw.vertices)} vertices and {len(raw.sizes)} faces; a surface needs both. "
+            "A point cloud must be meshed first."
+        )
+    faces, face_ids, notes = triangulate(raw)
+    return Mesh(
+        raw.vertices,
+        faces,
+        name=path.name,
+        path=path,
+        sha256=hashlib.sha256(data).hexdigest(),
+        face_ids=face_ids,
+        n_file_faces=len(raw.sizes),
+        notes=(*raw.notes, *notes),
+    )
+
+
+def _load(given: str | os.PathLike[str]) -> tuple[Path, bytes]:
+    """The file's bytes, once it is known to be a file of a known kind."""
+    path = Path(given)
+    endings = ", ".join(READERS)
+    try:
+        if not path.exists():
+            raise FormatError(f"{path}: no such file. Check the path.")
+        if not path.is_file():
+            raise FormatError(f"{path}: is a folder or a device, not a file. Name one mesh file.")
+        if path.suffix.lower() not in READERS:
+            raise FormatError(
+                f"{path}: unknown ending {path.suffix!r}. Readable are {endings}: export to one of these."
+            )
+        data = path.read_bytes()
+    except (OSError, ValueError) as error:
+        if isinstance(error, MeshError):
+            raise
+        raise FormatError(f"{path!s}: cannot be opened ({error}). Check the path and its permissions.") from error
+    if not data.strip():
+        raise FormatError(f"{path}: the file is empty. Export it again.")
+    return path, data
+
+
+def as_mesh(thing: Any) -> Mesh:
+    """Make a `Mesh` of whatever a user hands over.
+
+    Parameters
+    ----------
+    thing : Mesh, path, (vertices, faces), or object with ``.vertices`` and ``.faces``
+        Arrays are taken as they are: (n, 3) coordinates and (m, 3) vertex numbers from 0.
+
+    Raises
+    ------
+    MeshError
+        The thing is none of these, or the mesh is not valid (`FormatError` where it is a file).
+    """
+    if isinstance(thing, Mesh):
+        return thing
+    if isinstance(thing, str | os.PathLike):
+        return read_mesh(thing)
+    if isinstance(thing, tuple | list) and len(thing) == 2:
+        return Mesh(*thing)
+    if hasattr(thing, "vertices") and hasattr(thing, "faces"):
+        return Mesh(thing.vertices, thing.faces)
+    raise MeshError(
+        f"{type(thing).__name__!r} is not a mesh: give a path, a pair (vertices, faces) or an object with both."
+    )

@@ -1,0 +1,224 @@
+"""Repair: from what users have to a compact, manifold, consistently oriented mesh, with a note on every step."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from .mesh import Floats, Ints, Mesh
+from .topology import components, edge_table, fans, labels_of, sides
+
+LOOSE_AREA = 0.01  # loose pieces below this fraction of the area, taken together, are left out
+
+
+def repair(mesh: Mesh) -> Mesh:
+    """Make a mesh fit for computing on, changing as little as possible.
+
+    Faces that name a vertex twice or repeat another face are dropped; vertices with equal coordinates are joined
+    along seams; vertices where the surface only touches itself are cut apart; small loose pieces and unused
+    vertices are left out; faces are turned to agree, and closed surfaces turned outwards. What cannot be repaired
+    (edges with three faces, handles, several large pieces) is left for `require_matchable` to refuse.
+
+    Returns
+    -------
+    Mesh
+        Compact, with the user's numbers in `vertex_ids` and `face_ids` and one note a step that did anything.
+    """
+    notes: list[str] = []
+    faces, kept = mesh.faces, np.arange(len(mesh.faces))
+
+    double = (faces == faces[:, [1, 2, 0]]).any(axis=1)
+    if double.any():
+        notes.append(f"{_faces(double.sum())} naming one vertex twice dropped.")
+        faces, kept = faces[~double], kept[~double]
+
+    again = _repeated(np.sort(faces, axis=1))
+    if again.any():
+        notes.append(f"{_faces(again.sum())} repeating another face dropped.")
+        faces, kept = faces[~again], kept[~again]
+
+    twin = _twins(mesh.vertices)
+    again = _repeated_pieces(faces, twin)
+    if again.any():
+        notes.append(f"{_faces(again.sum())} lying exactly on another piece of the surface dropped.")
+        faces, kept = faces[~again], kept[~again]
+
+    faces, origin, more = _join_and_cut(faces, twin)
+    notes += more
+
+    loose = _loose(mesh.vertices[origin], faces)
+    if loose.any():
+        pieces, _ = components(faces[loose])
+        share = areas(mesh.vertices[origin], faces)[loose].sum() / areas(mesh.vertices[origin], faces).sum()
+        notes.append(
+            f"{pieces} loose piece(s) with {_faces(loose.sum())} ({100 * share:.2g} % of the area) left out."
+        )
+        faces, kept = faces[~loose], kept[~loose]
+
+    faces, more = _orient(mesh.vertices[origin], faces)
+    notes += more
+
+    used = np.unique(faces)
+    unused = len(mesh.vertices) - len(np.unique(mesh.faces))
+    if unused:
+        notes.append(f"{unused} vertices that no face uses left out.")
+    return replace(
+        mesh,
+        vertices=mesh.vertices[origin[used]],
+        faces=np.searchsorted(used, faces),
+        vertex_ids=mesh.vertex_ids[origin[used]],
+        face_ids=mesh.face_ids[kept],
+        notes=(*mesh.notes, *notes),
+    )
+
+
+def areas(vertices: Floats, faces: Ints) -> Floats:
+    """Area of each face (m,), in squared units of the mesh's largest extent (no overflow, no underflow)."""
+    return 0.5 * np.linalg.norm(cross_products(unit_box(vertices), faces), axis=1)
+
+
+def unit_box(vertices: Floats) -> Floats:
+    """The vertices, moved and scaled into the box from -1 to 1."""
+    if not len(vertices):
+        return vertices
+    low, high = vertices.min(axis=0), vertices.max(axis=0)
+    scale = float((high / 2 - low / 2).max())
+    centred = vertices - (low / 2 + high / 2)
+    return centred / scale if scale > 0 else centred
+
+
+def cross_products(vertices: Floats, faces: Ints) -> Floats:
+    """Twice the area vector of each face (m, 3)."""
+    a = vertices[faces[:, 0]]
+    return np.cross(vertices[faces[:, 1]] - a, vertices[faces[:, 2]] - a)
+
+
+def _faces(number: int) -> str:
+    return f"{number} face" if number == 1 else f"{number} faces"
+
+
+def _repeated(rows: Ints) -> np.ndarray:
+    """Which rows equal an earlier one."""
+    again = np.ones(len(rows), dtype=bool)
+    if len(rows):
+        order = np.lexsort(rows.T[::-1])
+        again[order[0]] = False
+        again[order[1:]] = (rows[order[1:]] == rows[order[:-1]]).all(axis=1)
+    return again
+
+
+def _twins(vertices: Floats) -> Ints:
+    """For each vertex the lowest-numbered one with exactly the same coordinates."""
+    order = np.lexsort(vertices.T)  # stable, so the lowest number leads each group
+    ranked = vertices[order]
+    fresh = np.ones(len(vertices), dtype=bool)
+    fresh[1:] = (ranked[1:] != ranked[:-1]).any(axis=1)
+    twin = np.empty(len(vertices), dtype=np.int64)
+    twin[order] = order[fresh][np.cumsum(fresh) - 1]
+    return twin
+
+
+def _repeated_pieces(faces: Ints, twin: Ints) -> np.ndarray:
+    """Faces of components that lie, face for face, exactly on earlier faces (double-sided models).
+
+    Single faces that coincide are left alone: there a surface touches itself, and a hole would be the result.
+    """
+    rows = np.sort(twin[faces], axis=1)
+    again = _repeated(rows)
+    if not again.any():
+        return again
+    number, label = components(faces)
+    whole = np.bincount(label, weights=~again, minlength=number) == 0
+    return again & whole[label]
+
+
+def _join_and_cut(faces: Ints, twin: Ints) -> tuple[Ints, Ints, list[str]]:
+    """Give every fan of faces a vertex of its own, after sewing up seams.
+
+    A seam is a pair of boundary edges, and no other edge, with equal coordinates. Joining by edges and not by
+    vertices keeps surfaces apart that only touch.
+
+    Returns faces in new numbers, the old number of each new vertex (the lowest where several were joined), notes.
+    """
+    table = edge_table(faces)
+    seam = None
+    if (twin[faces] != faces).any():
+        seam = _seams(faces, twin)
+    number, label = fans(faces, table, seam)
+    old, new = faces.ravel(), label.ravel()
+    origin = np.full(number, len(twin), dtype=np.int64)
+    np.minimum.at(origin, new, old)
+    # Number the fans by the vertex they come from, so that an untouched mesh keeps its order.
+    order = np.argsort(origin, kind="stable")
+    rank = np.empty(number, dtype=np.int64)
+    rank[order] = np.arange(number)
+    links = len(np.unique(old * number + new)) if number else 0
+    joined, cut = links - number, links - len(np.unique(old))
+    notes = []
+    if joined:
+        notes.append(f"{joined} vertices joined to a twin with the same coordinates (seams sewn up).")
+    if cut:
+        notes.append(f"{cut} cut(s) made at vertices where parts of the surface only touch.")
+    return rank[label], origin[order], notes
+
+
+def _seams(faces: Ints, twin: Ints) -> tuple[Ints, Ints]:
+    """Pairs of corners to link so that seams close."""
+    table = edge_table(faces)
+    ends = np.sort(twin[table.edges], axis=1)
+    group = np.unique(ends[:, 0] * (len(twin) + 1) + ends[:, 1], return_inverse=True)[1]
+    load = np.bincount(group, weights=table.counts)
+    lone = (table.counts == 1) & (load[group] == 2) & (ends[:, 0] != ends[:, 1])
+    edge = np.flatnonzero(lone)
+    edge = edge[np.argsort(group[edge], kind="stable")].reshape(-1, 2)
+    start = np.cumsum(table.counts) - table.counts
+    one, two = table.order[start[edge[:, 0]]], table.order[start[edge[:, 1]]]
+    firsts, seconds = [], []
+    for k in (1, 2):
+        a = one // 3 * 3 + (one % 3 + k) % 3
+        for j in (1, 2):
+            b = two // 3 * 3 + (two % 3 + j) % 3
+            same = twin[faces.ravel()[a]] == twin[faces.ravel()[b]]
+            firsts.append(a[same])
+            seconds.append(b[same])
+    return np.concatenate(firsts), np.concatenate(seconds)
+
+
+def _loose(vertices: Floats, faces: Ints) -> np.ndarray:
+    """Faces of the smallest components, as many as stay under `LOOSE_AREA` together; never the largest."""
+    number, label = components(faces)
+    if number < 2:
+        return np.zeros(len(faces), dtype=bool)
+    size = np.bincount(label, weights=areas(vertices, faces), minlength=number)
+    order = np.argsort(size, kind="stable")
+    small = np.cumsum(size[order]) < LOOSE_AREA * size.sum()
+    small[-1] = False
+    drop = np.zeros(number, dtype=bool)
+    drop[order[small]] = True
+    return drop[label]
+
+
+def _orient(vertices: Floats, faces: Ints) -> tuple[Ints, list[str]]:
+    """Turn faces so that all agree: closed pieces outwards, others as most of their faces are."""
+    table = edge_table(faces)
+    piece, turned, twisted = sides(faces, table)
+    turned = turned & ~twisted
+    number, piece = len(np.unique(piece)), np.unique(piece, return_inverse=True)[1]
+    size = np.bincount(piece, minlength=number)
+    open_ = np.bincount(piece, weights=(table.counts[table.face_edges] != 2).any(axis=1), minlength=number) > 0
+    unit = unit_box(vertices)
+    sign = np.where(turned, -1.0, 1.0)
+    volumes = sign * np.einsum("ij,ij->i", unit[faces[:, 0]], cross_products(unit, faces))
+    volume = np.bincount(piece, weights=volumes, minlength=number)
+    against = np.bincount(piece, weights=turned, minlength=number)
+    reverse = np.where(open_ | (volume == 0), 2 * against > size, volume < 0)
+    turned ^= reverse[piece] & ~twisted
+    whole = np.bincount(piece, weights=turned, minlength=number) == size
+    notes = []
+    single = int((turned & ~whole[piece]).sum())
+    if single:
+        notes.append(f"{_faces(single)} turned round to agree with the faces next to them.")
+    if (whole & (size > 0)).any():
+        notes.append(f"closed surface turned outwards ({_faces(size[whole].sum())}).")
+    return np.where(turned[:, None], faces[:, [0, 2, 1]], faces), notes

@@ -1,0 +1,202 @@
+"""The combinatorics of triangle lists: edges, boundary, components, genus. Plain arrays in, plain arrays out.
+
+Corner k of a face is its k-th vertex; the edge opposite to it joins corners k+1 and k+2.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+
+from ..errors import TopologyError
+from .mesh import Ints
+
+Bools = NDArray[np.bool_]
+
+
+@dataclass(frozen=True, eq=False)
+class EdgeTable:
+    """Every edge once, with the faces on it.
+
+    Attributes
+    ----------
+    edges : (E, 2) int64
+        Vertex numbers, the lower first; sorted.
+    counts : (E,) int64
+        How many faces share the edge: 1 on the boundary, 2 inside, more where the surface is not a manifold.
+    edge_faces : (E, 2) int64
+        The first two faces of each edge, the second -1 on the boundary.
+    face_edges : (m, 3) int64
+        Number of the edge opposite to each corner.
+    order : (3 m,) int64
+        All corners (3 * face + k) sorted by the edge opposite to them; edge e owns a run of ``counts[e]``.
+    """
+
+    edges: Ints
+    counts: Ints
+    edge_faces: Ints
+    face_edges: Ints
+    order: Ints
+
+    @cached_property
+    def pairs(self) -> tuple[Ints, Ints]:
+        """Corners opposite to one edge, as pairs that link all faces on it: (P,), (P,)."""
+        edge = self.face_edges.ravel()[self.order]
+        same = edge[1:] == edge[:-1]
+        return self.order[:-1][same], self.order[1:][same]
+
+
+def edge_table(faces: Ints) -> EdgeTable:
+    """Find the edges of (m, 3) faces; no face may name a vertex twice."""
+    tail, head = faces[:, [1, 2, 0]].ravel(), faces[:, [2, 0, 1]].ravel()
+    base = int(faces.max(initial=0)) + 1
+    key = np.minimum(tail, head) * base + np.maximum(tail, head)
+    order = np.argsort(key, kind="stable")
+    ranked = key[order]
+    fresh = np.ones(len(key), dtype=bool)
+    fresh[1:] = ranked[1:] != ranked[:-1]
+    start = np.flatnonzero(fresh)
+    counts = np.diff(np.append(start, len(key)))
+    face_edges = np.empty(len(key), dtype=np.int64)
+    face_edges[order] = np.cumsum(fresh) - 1
+    edge_faces = np.full((len(start), 2), -1, dtype=np.int64)
+    edge_faces[:, 0] = order[start] // 3
+    edge_faces[counts > 1, 1] = order[start[counts > 1] + 1] // 3
+    edges = np.stack([ranked[start] // base, ranked[start] % base], axis=1)
+    return EdgeTable(edges, counts, edge_faces, face_edges.reshape(-1, 3), order)
+
+
+def labels_of(size: int, first: Ints, second: Ints) -> tuple[int, Ints]:
+    """Connected components of the graph with these links: their number, and the label of each of `size` nodes."""
+    if not size:
+        return 0, np.zeros(0, dtype=np.int64)
+    graph = coo_array((np.ones(len(first), dtype=np.int8), (first, second)), shape=(size, size))
+    number, labels = connected_components(graph, directed=False)
+    return int(number), labels.astype(np.int64)
+
+
+def components(faces: Ints, table: EdgeTable | None = None) -> tuple[int, Ints]:
+    """Pieces of surface joined by edges (a shared vertex alone does not join): number, label of each face (m,)."""
+    first, second = (table or edge_table(faces)).pairs
+    return labels_of(len(faces), first // 3, second // 3)
+
+
+def fans(faces: Ints, table: EdgeTable, extra: tuple[Ints, Ints] | None = None) -> tuple[int, Ints]:
+    """Fans of faces around vertices: number, label of each corner (m, 3).
+
+    Two corners belong to one fan where faces follow each other over edges at their vertex; a manifold vertex has one
+    fan. `extra` holds further pairs of corners to link.
+    """
+    one, two = table.pairs
+    links_one, links_two = [], []
+    for k in (1, 2):
+        # The ends of the common edge, seen from both faces; where the faces disagree on its direction, crosswise.
+        end_one = one // 3 * 3 + (one + k - one // 3 * 3) % 3
+        for j in (1, 2):
+            end_two = two // 3 * 3 + (two + j - two // 3 * 3) % 3
+            match = faces.ravel()[end_one] == faces.ravel()[end_two]
+            links_one.append(end_one[match])
+            links_two.append(end_two[match])
+    if extra is not None:
+        links_one.append(extra[0])
+        links_two.append(extra[1])
+    number, labels = labels_of(faces.size, np.concatenate(links_one), np.concatenate(links_two))
+    return number, labels.reshape(-1, 3)
+
+
+def nonmanifold_edges(table: EdgeTable) -> Ints:
+    """Numbers of the edges that more than two faces share."""
+    return np.flatnonzero(table.counts > 2)
+
+
+def nonmanifold_vertices(faces: Ints, table: EdgeTable | None = None) -> Ints:
+    """Vertices at which two or more fans of faces touch."""
+    _, labels = fans(faces, table or edge_table(faces))
+    _, corner = np.unique(labels.ravel(), return_index=True)
+    vertex, count = np.unique(faces.ravel()[corner], return_counts=True)
+    return vertex[count > 1]
+
+
+def sides(faces: Ints, table: EdgeTable) -> tuple[Ints, Bools, Bools]:
+    """Which faces agree with each other, found on the two-sheeted cover of the surface.
+
+    Each face has an upper and a lower side; across an edge with two faces, sides join to sides. On an orientable
+    piece the sides fall into two classes; on a Moebius strip all are one.
+
+    Returns
+    -------
+    piece : (m,) int64
+        Label of the piece of surface (over edges with exactly two faces) that each face belongs to.
+    turned : (m,) bool
+        Whether the face is oriented against the lowest-numbered face of its piece.
+    twisted : (m,) bool
+        Whether the face lies on a piece that cannot be oriented.
+    """
+    m = len(faces)
+    one, two = table.pairs
+    plain = table.counts[table.face_edges.ravel()[one]] == 2
+    one, two = one[plain], two[plain]
+    corners = faces.ravel()
+    clash = corners[one // 3 * 3 + (one + 1 - one // 3 * 3) % 3] == corners[two // 3 * 3 + (two + 1 - two // 3 * 3) % 3]
+    f, g = one // 3, two // 3
+    _, labels = labels_of(2 * m, np.concatenate([f, f + m]), np.concatenate([g + m * clash, g + m * ~clash]))
+    upper, lower = labels[:m], labels[m:]
+    piece = np.minimum(upper, lower)
+    _, first, inverse = np.unique(piece, return_index=True, return_inverse=True)
+    return piece, upper != upper[first[inverse]], upper == lower
+
+
+def euler_characteristic(faces: Ints, table: EdgeTable | None = None) -> int:
+    """Vertices - edges + faces, counting only vertices in use."""
+    return len(np.unique(faces)) - len((table or edge_table(faces)).edges) + len(faces)
+
+
+def boundary_loops(faces: Ints, table: EdgeTable | None = None) -> list[Ints]:
+    """The boundary as cycles of vertices, each in the direction of the faces along it, longest first.
+
+    Raises
+    ------
+    TopologyError
+        The faces around the boundary are not consistently oriented.
+    """
+    table = table or edge_table(faces)
+    corner = table.order[np.append(0, np.cumsum(table.counts)[:-1])[table.counts == 1]]
+    face, k = corner // 3, corner % 3
+    after: dict[int, list[int]] = {}
+    for tail, head in zip(faces[face, (k + 1) % 3].tolist(), faces[face, (k + 2) % 3].tolist(), strict=True):
+        after.setdefault(tail, []).append(head)
+    loops = []
+    for start in list(after):
+        while after.get(start):
+            loop, at = [], start
+            while at != start or not loop:
+                loop.append(at)
+                if not after.get(at):
+                    raise TopologyError("the faces along the boundary are not consistently oriented; repair first.")
+                at = after[at].pop()
+            loops.append(np.array(loop, dtype=np.int64))
+    return sorted(loops, key=lambda loop: -len(loop))
+
+
+def count_boundary_loops(table: EdgeTable) -> int:
+    """How many closed curves the boundary of a manifold consists of, whatever its orientation."""
+    ends = table.edges[table.counts == 1]
+    vertices, ends = np.unique(ends, return_inverse=True)
+    ends = ends.reshape(-1, 2)
+    return labels_of(len(vertices), ends[:, 0], ends[:, 1])[0]
+
+
+def genus(faces: Ints, table: EdgeTable | None = None) -> int | None:
+    """Number of handles, over all components together; None where the surface is no orientable manifold."""
+    table = table or edge_table(faces)
+    if not len(faces) or len(nonmanifold_edges(table)) or len(nonmanifold_vertices(faces, table)):
+        return None
+    if sides(faces, table)[2].any():
+        return None
+    number, _ = components(faces, table)
+    return (2 * number - count_boundary_loops(table) - euler_characteristic(faces, table)) // 2
