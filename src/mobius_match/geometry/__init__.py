@@ -1,0 +1,1 @@
+"""Geometry on triangle meshes, thin over libraries: Laplacian, geodesics, eigenfunctions."""

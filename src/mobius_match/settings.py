@@ -1,0 +1,165 @@
+"""Every setting of the method in two frozen records, checked when they are made."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass, fields, replace
+from typing import Any
+
+from .errors import SettingsError
+
+PAPER_VOTES_PER_TRIPLET = 10
+"""Section 9: about ten votes are cast for each of the N**3 correct triplets ..."""
+PAPER_VOTES_RANGE = (5_000_000, 20_000_000)
+"""... and between 5 and 20 million triplets were drawn in all of the paper's examples."""
+
+
+def _check(condition: bool, what: str, value: object, remedy: str) -> None:
+    if not condition:
+        raise SettingsError(f"{what} is {value!r}; {remedy}")
+
+
+def _check_choice(what: str, value: object, choices: tuple[str, ...]) -> None:
+    _check(value in choices, what, value, f"choose one of {', '.join(choices)}")
+
+
+def _check_whole(what: str, value: object, least: int, most: int) -> None:
+    whole = isinstance(value, int) and not isinstance(value, bool)
+    _check(whole, what, value, "give a whole number")
+    _check(least <= value <= most, what, value, f"give a number from {least} to {most}")  # type: ignore[operator]
+
+
+@dataclass(frozen=True)
+class PrepareSettings:
+    """How one mesh is made ready for matching (sections 4 and 5).
+
+    Parameters
+    ----------
+    samples
+        Number of sample points N.
+    geodesics
+        ``"heat"`` (robust heat method) or ``"dijkstra"`` (shortest edge paths, the paper's).
+    triangulation
+        ``"delaunay"`` flattens the intrinsic Delaunay triangulation, ``"mesh"`` the mesh's own triangles.
+    placement
+        Where a sample lies in the plane: ``"mean"`` of the mid-edges around it, or the ``"closest"`` mid-edge.
+    """
+
+    samples: int = 100
+    geodesics: str = "heat"
+    triangulation: str = "delaunay"
+    placement: str = "mean"
+
+    def __post_init__(self) -> None:
+        _check_whole("samples", self.samples, 4, 5000)
+        _check_choice("geodesics", self.geodesics, ("heat", "dijkstra"))
+        _check_choice("triangulation", self.triangulation, ("delaunay", "mesh"))
+        _check_choice("placement", self.placement, ("mean", "closest"))
+
+
+@dataclass(frozen=True)
+class MatchSettings(PrepareSettings):
+    """How two surfaces are matched (sections 6, 7 and 8), with how each is prepared.
+
+    Parameters
+    ----------
+    votes
+        Number of triplets to evaluate; None lets the program choose.
+    proposal
+        ``"guided"`` draws triplets that agree in geodesic distances, ``"uniform"`` draws as the paper does.
+    distance
+        Distance of section 7: ``"euclidean"`` or ``"spherical"``.
+    min_fraction
+        The paper's K as a fraction of the samples: triplets with fewer mutually nearest pairs do not vote.
+        None: 0.4 for uniform proposals; guided ones weigh the pairs instead and need no K.
+    epsilon
+        The paper's small number in the magnitude 1 / (epsilon + E / n) of a vote.
+    assignment
+        ``"greedy"`` (max-row-column) or ``"linear"`` (global linear assignment), section 8.
+    threshold
+        Confidence S above which pairs are taken as they are; None lets the program choose.
+    recovery_radius
+        Section 8's delta as a fraction of the diameter; 0 switches the recovery of weak pairs off.
+    seed
+        Seed of all randomness, 0 or larger.
+    jobs
+        Threads; None uses every processor. The result does not depend on it.
+    """
+
+    votes: int | None = None
+    proposal: str = "guided"
+    distance: str = "euclidean"
+    min_fraction: float | None = None
+    epsilon: float = 0.01
+    assignment: str = "greedy"
+    threshold: float | None = None
+    recovery_radius: float = 0.05
+    seed: int = 0
+    jobs: int | None = None
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.votes is not None:
+            _check_whole("votes", self.votes, 1, 10**10)
+        _check_choice("proposal", self.proposal, ("guided", "uniform"))
+        _check_choice("distance", self.distance, ("euclidean", "spherical"))
+        for name in ("min_fraction", "threshold", "recovery_radius"):
+            value = getattr(self, name)
+            if value is not None:
+                _check(isinstance(value, int | float), name, value, "give a number from 0 to 1")
+                _check(0 <= value <= 1, name, value, "give a number from 0 to 1")
+        _check(isinstance(self.epsilon, int | float), "epsilon", self.epsilon, "give a positive number")
+        _check(0 < self.epsilon < float("inf"), "epsilon", self.epsilon, "give a positive number")
+        _check_choice("assignment", self.assignment, ("greedy", "linear"))
+        _check_whole("seed", self.seed, 0, 2**63 - 1)
+        if self.jobs is not None:
+            _check_whole("jobs", self.jobs, 1, 1024)
+
+    def preparation(self) -> PrepareSettings:
+        """The part of the settings that a single mesh depends on."""
+        return PrepareSettings(**{f.name: getattr(self, f.name) for f in fields(PrepareSettings)})
+
+    def number_of_votes(self) -> int:
+        """How many triplets are evaluated: the given number, or the program's choice."""
+        if self.votes is not None:
+            return self.votes
+        if self.proposal == "uniform":
+            wanted = PAPER_VOTES_PER_TRIPLET * self.samples**3
+            return min(max(wanted, PAPER_VOTES_RANGE[0]), PAPER_VOTES_RANGE[1])
+        return 30_000
+
+    def to_dict(self) -> dict[str, Any]:
+        """All settings as JSON-able values."""
+        return asdict(self)
+
+
+PRESETS: dict[str, dict[str, Any]] = {
+    "paper": {
+        "samples": 100,
+        "geodesics": "dijkstra",
+        "triangulation": "mesh",
+        "placement": "closest",
+        "proposal": "uniform",
+        "distance": "euclidean",
+        "min_fraction": 0.4,
+        "assignment": "greedy",
+        "threshold": 0.0,
+        "recovery_radius": 0.0,
+    }
+}
+"""Named groups of settings. "paper": what the publication used for its figures 8 and 9."""
+
+
+def make_settings(preset: str | None = None, **overrides: Any) -> MatchSettings:
+    """Settings from a preset's values and the caller's own on top of them.
+
+    Raises
+    ------
+    SettingsError
+        For an unknown preset or setting, or a value that is out of range.
+    """
+    if preset is not None:
+        _check_choice("preset", preset, tuple(PRESETS))
+    known = {f.name for f in fields(MatchSettings)}
+    for name in overrides:
+        _check(name in known, "setting", name, f"known settings are {', '.join(sorted(known))}")
+    return replace(MatchSettings(), **{**(PRESETS[preset] if preset else {}), **overrides})

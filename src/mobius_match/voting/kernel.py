@@ -1,0 +1,216 @@
+"""Sections 6 and 7: Algorithm 2, the voting loop, for a batch of triplets.
+
+:func:`vote` is Algorithm 2 line by line; the functions before it are its lines. :func:`vote_weighted` differs in what a
+vote is worth. All of them take arrays and numbers only. Points of the extended plane come as homogeneous pairs (p, q),
+z = p / q, so that infinity (1, 0) needs no case of its own.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numba
+import numpy as np
+
+from ..mobius import CANONICAL_TRIANGLE
+
+jit = numba.njit(cache=True, nogil=True, error_model="numpy")
+
+Y1, Y2, Y3 = (complex(y) for y in CANONICAL_TRIANGLE)
+FAR = 1e15  # stands for infinity in the canonical plane; its square still fits a float32
+
+
+@jit
+def to_canonical(points, triplet, image):
+    """Apply the map m with m(z_j) = y_j (equations 3 and 4) to all points; False if two of the z_j are equal.
+
+    The map to 0, 1, infinity is written with differences of points, which are exact, and followed by the inverse of the
+    same map of the y_j: samples may differ by 1e-10 of the plane's extent.
+    """
+    p1, q1 = points[triplet[0], 0], points[triplet[0], 1]
+    p2, q2 = points[triplet[1], 0], points[triplet[1], 1]
+    p3, q3 = points[triplet[2], 0], points[triplet[2], 1]
+    z12, z23, z31 = p1 * q2 - p2 * q1, p2 * q3 - p3 * q2, p3 * q1 - p1 * q3
+    if z12 == 0 or z23 == 0 or z31 == 0:
+        return False
+    a, b, c, d = (Y1 - Y2) * Y3 * z23, (Y2 - Y3) * Y1 * z12, (Y1 - Y2) * z23, (Y2 - Y3) * z12
+    for k in range(len(points)):
+        p, q = points[k, 0], points[k, 1]
+        from_z1, to_z3 = p * q1 - p1 * q, p3 * q - p * q3
+        numerator = a * from_z1 + b * to_z3
+        denominator = c * from_z1 + d * to_z3
+        size = denominator.real**2 + denominator.imag**2
+        real = numerator.real * denominator.real + numerator.imag * denominator.imag
+        imag = numerator.imag * denominator.real - numerator.real * denominator.imag
+        if size * FAR > abs(real) and size * FAR > abs(imag):
+            image[0, k], image[1, k] = real / size, imag / size
+        else:
+            image[0, k], image[1, k] = FAR, 0.0
+    return True
+
+
+@jit
+def to_sphere(plane, sphere):
+    """Stereographic projection of canonical points (2, p) to the unit sphere (3, p)."""
+    for k in range(plane.shape[1]):
+        x, y = np.float64(plane[0, k]), np.float64(plane[1, k])
+        square = x * x + y * y
+        sphere[0, k] = 2 * x / (1 + square)
+        sphere[1, k] = 2 * y / (1 + square)
+        sphere[2, k] = (square - 1) / (1 + square)
+
+
+@jit
+def mutually_nearest(first, second, distances, row_least, column_least, partner):
+    """Partner (p,) in ``second`` (d, r) of each point of ``first`` (d, p), -1 for none, and the number of pairs.
+
+    Squared distances are not negative, so their bits order as integers, and integer minima use vector instructions.
+    Of equally near points the lowest number is the nearest.
+    """
+    bits, rows, columns = distances.view(np.int32), row_least.view(np.int32), column_least.view(np.int32)
+    n1, n2 = first.shape[1], second.shape[1]
+    columns[:] = np.iinfo(np.int32).max
+    for k in range(n1):
+        if len(first) == 2:
+            x, y = first[0, k], first[1, k]
+            for j in range(n2):
+                distances[k, j] = (second[0, j] - x) ** 2 + (second[1, j] - y) ** 2
+        else:
+            x, y, z = first[0, k], first[1, k], first[2, k]
+            for j in range(n2):
+                distances[k, j] = (second[0, j] - x) ** 2 + (second[1, j] - y) ** 2 + (second[2, j] - z) ** 2
+        least = np.iinfo(np.int32).max
+        for j in range(n2):
+            least = min(least, bits[k, j])
+            columns[j] = min(columns[j], bits[k, j])
+        rows[k] = least
+    n_pairs = 0
+    for k in range(n1):
+        partner[k] = -1
+        for j in range(n2):
+            if bits[k, j] == rows[k]:
+                if bits[k, j] == columns[j]:
+                    partner[k] = j
+                    n_pairs += 1
+                    columns[j] = -1  # taken
+                break
+    return n_pairs
+
+
+@jit
+def deformation(squared, spherical):
+    """Distance of a pair in the canonical domain, section 7: |z - w|, or |z - w| / |1 + conj(z) w| on the sphere.
+
+    With s the chord between the points on the sphere the latter is s / sqrt(4 - s^2).
+    """
+    if spherical:
+        return math.sqrt(squared / max(4.0 - squared, 1e-12))
+    return math.sqrt(squared)
+
+
+@jit
+def vote(points1, points2, triplets1, triplets2, least_pairs, epsilon, spherical, votes):
+    """Algorithm 2: add the votes of a batch of triplets to C.
+
+    Parameters
+    ----------
+    points1, points2
+        (N1, 2) and (N2, 2) complex128, the samples in the plane, homogeneous.
+    triplets1, triplets2
+        (I, 3) int: three different samples of each side, matched in order.
+    least_pairs
+        The paper's K: a triplet with fewer mutually nearest pairs does not vote.
+    epsilon
+        The small number in 1 / (epsilon + E / n).
+    spherical
+        Distance on the sphere instead of in the plane.
+    votes
+        (N1, N2) float64, the matrix C, added to.
+
+    Returns
+    -------
+    int
+        How many triplets voted.
+    """
+    n1, n2 = len(points1), len(points2)
+    plane1, plane2 = np.empty((2, n1), np.float32), np.empty((2, n2), np.float32)
+    sphere1, sphere2 = np.empty((3, n1), np.float32), np.empty((3, n2), np.float32)
+    distances = np.empty((n1, n2), np.float32)
+    row_least, column_least = np.empty(n1, np.float32), np.empty(n2, np.float32)
+    partner = np.empty(n1, np.int64)
+    n_voting = 0
+    for i in range(len(triplets1)):
+        if not to_canonical(points1, triplets1[i], plane1) or not to_canonical(points2, triplets2[i], plane2):
+            continue
+        if spherical:
+            to_sphere(plane1, sphere1)
+            to_sphere(plane2, sphere2)
+            n = mutually_nearest(sphere1, sphere2, distances, row_least, column_least, partner)
+        else:
+            n = mutually_nearest(plane1, plane2, distances, row_least, column_least, partner)
+        if n >= least_pairs:
+            energy = 0.0
+            for k in range(n1):
+                if partner[k] >= 0:
+                    energy += deformation(distances[k, partner[k]], spherical)
+            for k in range(n1):
+                if partner[k] >= 0:
+                    votes[k, partner[k]] += 1 / (epsilon + energy / n)
+            n_voting += 1
+    return n_voting
+
+
+@jit
+def vote_weighted(
+    points1, points2, triplets1, triplets2, geodesics1, geodesics2, similarity, scale, power, spherical, votes
+):
+    """Algorithm 2 with weighed pairs instead of the threshold K and the energy of section 7.
+
+    A mutually nearest pair counts by how well its geodesic distances to the triplet's points agree on both surfaces,
+    times the similarity of its descriptors; the triplet by the sum of its pairs to a power. So a triplet that explains
+    a part of the surface well has a say, and one that maps everything to a clump has none.
+
+    Parameters
+    ----------
+    geodesics1, geodesics2
+        (N1, N1) and (N2, N2) float64, distances between the samples per sqrt(area).
+    similarity
+        (N1, N2) float64 in [0, 1], of descriptors.
+    scale
+        Difference of distances per sqrt(area) at which a pair's weight is 1 / e.
+    power
+        The power that the sum of the weights is raised to.
+
+    Other parameters, and what is returned, as in :func:`vote`.
+    """
+    n1, n2 = len(points1), len(points2)
+    plane1, plane2 = np.empty((2, n1), np.float32), np.empty((2, n2), np.float32)
+    sphere1, sphere2 = np.empty((3, n1), np.float32), np.empty((3, n2), np.float32)
+    distances = np.empty((n1, n2), np.float32)
+    row_least, column_least = np.empty(n1, np.float32), np.empty(n2, np.float32)
+    partner, weight = np.empty(n1, np.int64), np.empty(n1)
+    scores = np.zeros(len(triplets1))
+    for i in range(len(triplets1)):
+        if not to_canonical(points1, triplets1[i], plane1) or not to_canonical(points2, triplets2[i], plane2):
+            continue
+        if spherical:
+            to_sphere(plane1, sphere1)
+            to_sphere(plane2, sphere2)
+            mutually_nearest(sphere1, sphere2, distances, row_least, column_least, partner)
+        else:
+            mutually_nearest(plane1, plane2, distances, row_least, column_least, partner)
+        total = 0.0
+        for k in range(n1):
+            j = partner[k]
+            if j >= 0:
+                difference = 0.0
+                for corner in range(3):
+                    near, far = triplets1[i, corner], triplets2[i, corner]
+                    difference += abs(geodesics1[near, k] - geodesics2[far, j]) / 3
+                weight[k] = similarity[k, j] * math.exp(-((difference / scale) ** 2))
+                total += weight[k]
+        scores[i] = total
+        for k in range(n1):
+            if partner[k] >= 0:
+                votes[k, partner[k]] += weight[k] * (total / n1) ** power
+    return scores

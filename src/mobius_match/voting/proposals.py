@@ -1,0 +1,84 @@
+"""Section 6, "Random z1, z2, z3": how triplets are drawn, uniformly or guided by geodesic distances."""
+
+from __future__ import annotations
+
+import numba
+import numpy as np
+
+LEAST_SPREAD = 0.3
+"""Least distance between the three source samples of a guided triplet, per sqrt(area)."""
+
+LENGTH_TOLERANCE = 0.10
+"""Largest relative difference of the distances within a guided triplet."""
+
+CENTRALITY_TOLERANCE = 0.15
+"""Largest relative difference of the average geodesic distance of two samples that may be matched in a triplet."""
+
+ATTEMPTS = 1000
+"""Draws for one guided triplet before it is given up."""
+
+
+def uniform_triplets(generator: np.random.Generator, count: int, n1: int, n2: int) -> tuple[np.ndarray, np.ndarray]:
+    """Triplets of three different samples, (count, 3) int64 of each side, all equally likely (the paper's)."""
+    return _distinct(generator, count, n1), _distinct(generator, count, n2)
+
+
+def _distinct(generator: np.random.Generator, count: int, n: int) -> np.ndarray:
+    # Draw from n, n - 1 and n - 2 numbers, and step over those already taken.
+    first, second, third = (generator.integers(0, n - taken, count) for taken in range(3))
+    second += second >= first
+    low, high = np.minimum(first, second), np.maximum(first, second)
+    third += third >= low
+    third += third >= high
+    return np.stack([first, second, third], axis=1)
+
+
+@numba.njit(cache=True, nogil=True)
+def guided_triplets(seed, count, geodesics1, geodesics2, allowed, least_spread, tolerance):
+    """Triplets that agree in their mutual distances, (found, 3) int64 of each side, found <= count.
+
+    Parameters
+    ----------
+    seed
+        Seed of this batch.
+    count
+        How many are wanted.
+    geodesics1, geodesics2
+        (N1, N1) and (N2, N2) float64, distances between the samples per sqrt(area).
+    allowed
+        (N1, N2) bool: which samples may be matched.
+    least_spread
+        Least distance between source samples.
+    tolerance
+        Largest relative difference of corresponding distances.
+    """
+    np.random.seed(seed)
+    n1, n2 = allowed.shape
+    triplets1, triplets2 = np.empty((count, 3), np.int64), np.empty((count, 3), np.int64)
+    choices = np.empty(n2, np.int64)
+    found = 0
+    for _ in range(count):
+        for _ in range(ATTEMPTS):
+            n_matched = 0
+            while n_matched < 3:
+                near = np.random.randint(n1)
+                n_choices = 0
+                for far in range(n2):
+                    fits = allowed[near, far]
+                    for k in range(n_matched):
+                        length1 = geodesics1[triplets1[found, k], near]
+                        length2 = geodesics2[triplets2[found, k], far]
+                        fits = fits and length1 >= least_spread and length2 > 0
+                        fits = fits and abs(length1 - length2) <= tolerance * length1
+                    if fits:
+                        choices[n_choices] = far
+                        n_choices += 1
+                if n_choices == 0:
+                    break
+                triplets1[found, n_matched] = near
+                triplets2[found, n_matched] = choices[np.random.randint(n_choices)]
+                n_matched += 1
+            if n_matched == 3:
+                found += 1
+                break
+    return triplets1[:found], triplets2[:found]
