@@ -1,20 +1,35 @@
-"""Reading meshes from files and arrays: every failure is one `FormatError` or `MeshError` that names the file."""
+"""Reading meshes from files and arrays: every failure is one error of the family, naming the file."""
 
 from __future__ import annotations
 
 import hashlib
 import os
+import warnings
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 from ..errors import FormatError, MeshError
+from .formats.gltf import read_gltf
+from .formats.obj import read_obj
 from .formats.off import read_off
+from .formats.ply import read_ply
 from .formats.raw import RawMesh, check_corners, triangulate
+from .formats.stl import read_stl
+from .formats.vtk import read_vtk
+from .formats.vtkxml import read_vtkxml
 from .mesh import Mesh
 
-READERS: dict[str, Callable[[bytes], RawMesh]] = {
-    ".off": read_off,
+READERS: dict[str, Callable[[bytes, Path], RawMesh]] = {
+    ".off": lambda data, _: read_off(data),
+    ".obj": lambda data, _: read_obj(data),
+    ".ply": lambda data, _: read_ply(data),
+    ".stl": lambda data, _: read_stl(data),
+    ".glb": read_gltf,
+    ".gltf": read_gltf,
+    ".vtk": lambda data, _: read_vtk(data),
+    ".vtp": lambda data, _: read_vtkxml(data),
+    ".vtu": lambda data, _: read_vtkxml(data),
 }
 
 
@@ -24,13 +39,13 @@ def read_mesh(path: str | os.PathLike[str]) -> Mesh:
     Parameters
     ----------
     path : str or path-like
-        A file ending in .off, .obj, .ply, .stl, .glb, .gltf, .vtk or .vtu.
+        A file ending in .off, .obj, .ply, .stl, .glb, .gltf, .vtk, .vtp or .vtu.
 
     Returns
     -------
     Mesh
-        Unrepaired: polygons are cut into triangles (`Mesh.face_ids` names the polygon of each), STL corners with
-        equal coordinates are joined (the format has no vertex numbers), nothing else is changed.
+        Unrepaired: polygons are cut into triangles (`Mesh.face_ids` names the polygon of each), STL corners
+        with equal coordinates are joined (the format has no vertex numbers), nothing else is changed.
 
     Raises
     ------
@@ -42,16 +57,18 @@ def read_mesh(path: str | os.PathLike[str]) -> Mesh:
     path, data = _load(path)
     reader = READERS[path.suffix.lower()]
     try:
-        raw = reader(data)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # numpy's, on odd numbers: checked below
+            raw = reader(data, path)
         check_corners(raw)
     except MeshError as error:
         raise type(error)(f"{path}: {error}") from error
-    except (Exception, SystemExit) as error:
-        # Readers fail in countless ways on damaged files (meshio even exits); users get one error.
+    except Exception as error:
+        # Damaged files make the readers fail in countless ways; users get one error.
         kind = path.suffix[1:].upper()
         raise FormatError(
-            f"{path}: cannot be read as {kind} ({type(error).__name__}: {error}). The file is damaged, cut short or of "
-            "another kind than its name says: export it again."
+            f"{path}: cannot be read as {kind} ({type(error).__name__}: {error}). "
+            "The file is damaged, cut short or of another kind than its name says: export it again."
         ) from error
     if not len(raw.vertices) or not len(raw.sizes):
         raise MeshError(
@@ -88,7 +105,7 @@ def _load(given: str | os.PathLike[str]) -> tuple[Path, bytes]:
     except (OSError, ValueError) as error:
         if isinstance(error, MeshError):
             raise
-        raise FormatError(f"{path!s}: cannot be opened ({error}). Check the path and its permissions.") from error
+        raise FormatError(f"{path}: cannot be opened ({error}). Check path and permissions.") from error
     if not data.strip():
         raise FormatError(f"{path}: the file is empty. Export it again.")
     return path, data
@@ -116,5 +133,6 @@ def as_mesh(thing: Any) -> Mesh:
     if hasattr(thing, "vertices") and hasattr(thing, "faces"):
         return Mesh(thing.vertices, thing.faces)
     raise MeshError(
-        f"{type(thing).__name__!r} is not a mesh: give a path, a pair (vertices, faces) or an object with both."
+        f"{type(thing).__name__!r} is not a mesh: "
+        "give a path, a pair (vertices, faces) or an object with both."
     )

@@ -20,8 +20,8 @@ Ints = NDArray[np.int64]
 class Mesh:
     """A triangle mesh.
 
-    Only `vertices` and `faces` are needed; the rest is filled in. The arrays are copied where that is needed to
-    make them read-only without touching the caller's.
+    Only `vertices` and `faces` are needed; the rest is filled in. The arrays are copied where that is
+    needed to make them read-only without touching the caller's.
 
     Attributes
     ----------
@@ -69,7 +69,9 @@ class Mesh:
             given = getattr(self, field)
             ids = np.arange(length) if given is None else _as_array(given, field, self.name)
             if ids.shape != (length,) or ids.dtype.kind not in "iu":
-                raise MeshError(f"{self.name}: {field} must be {length} integers, not {ids.dtype} {ids.shape}.")
+                raise MeshError(
+                    f"{self.name}: {field} must be {length} integers, not {ids.dtype} {ids.shape}."
+                )
             fill[field] = _frozen(ids, np.int64)
         if self.n_file_vertices < 0:
             fill["n_file_vertices"] = len(vertices)
@@ -96,7 +98,7 @@ def _frozen(values: NDArray[Any], dtype: type) -> NDArray[Any]:
     if (type(values) is np.ndarray and values.dtype == dtype and values.flags.c_contiguous
             and not values.flags.writeable and values.flags.owndata):  # fmt: skip
         return values
-    out = np.array(values, dtype=dtype, order="C", subok=False)
+    out: NDArray[Any] = np.array(values, dtype=dtype, order="C", subok=False)
     out.flags.writeable = False
     return out
 
@@ -112,7 +114,8 @@ def _check_vertices(values: Any, name: str) -> Floats:
     bad = np.flatnonzero(~np.isfinite(vertices).all(axis=1))
     if len(bad):
         raise MeshError(
-            f"{name}: {_count(len(bad), 'vertex has', 'vertices have')} a coordinate that is not a finite number, "
+            f"{name}: {_count(len(bad), 'vertex has', 'vertices have')} a coordinate that is not a "
+            "finite number, "
             f"the first is vertex {bad[0]} (counting from 0). Repair or remove them in the file."
         )
     return vertices
@@ -124,7 +127,8 @@ def _check_faces(values: Any, n_vertices: int, name: str) -> Ints:
         array = np.zeros((0, 3), dtype=np.int64)
     if array.ndim != 2 or array.shape[1] != 3 or array.dtype.kind not in "fiu":
         raise MeshError(
-            f"{name}: faces must be vertex numbers of shape (m, 3), not {array.dtype} of shape {array.shape}. "
+            f"{name}: faces must be vertex numbers of shape (m, 3), not {array.dtype} of shape "
+            f"{array.shape}. "
             "Cut polygons into triangles first."
         )
     # Compared in the caller's own type: 2**64 - 1 or 1e300 must not wrap into range.
@@ -137,7 +141,8 @@ def _check_faces(values: Any, n_vertices: int, name: str) -> Ints:
         wrong = array[face][~inside[face]][0]
         hint = "" if array.min() < 1 else " If these faces number the vertices from 1, subtract 1."
         raise MeshError(
-            f"{name}: face {face} (counting from 0) names vertex {wrong}, but the mesh has {n_vertices} vertices, "
+            f"{name}: face {face} (counting from 0) names vertex {wrong}, but the mesh has {n_vertices} "
+            "vertices, "
             f"numbered 0 to {n_vertices - 1}; {_count(len(bad), 'face is', 'faces are')} wrong in this way. "
             f"Correct the faces or add the missing vertices.{hint}"
         )

@@ -1,4 +1,4 @@
-"""Repair: from what users have to a compact, manifold, consistently oriented mesh, with a note on every step."""
+"""Repair: from what users have to a compact, manifold, consistently oriented mesh, with notes."""
 
 from __future__ import annotations
 
@@ -6,8 +6,10 @@ from dataclasses import replace
 
 import numpy as np
 
+from .measure import areas, cross_products, twins, unit_box
 from .mesh import Floats, Ints, Mesh
-from .topology import components, edge_table, fans, labels_of, sides
+from .slivers import collapse_needles, turn_caps
+from .topology import EdgeTable, components, edge_table, fans, sides
 
 LOOSE_AREA = 0.01  # loose pieces below this fraction of the area, taken together, are left out
 
@@ -15,10 +17,11 @@ LOOSE_AREA = 0.01  # loose pieces below this fraction of the area, taken togethe
 def repair(mesh: Mesh) -> Mesh:
     """Make a mesh fit for computing on, changing as little as possible.
 
-    Faces that name a vertex twice or repeat another face are dropped; vertices with equal coordinates are joined
-    along seams; vertices where the surface only touches itself are cut apart; small loose pieces and unused
-    vertices are left out; faces are turned to agree, and closed surfaces turned outwards. What cannot be repaired
-    (edges with three faces, handles, several large pieces) is left for `require_matchable` to refuse.
+    Faces that name a vertex twice or repeat another face are dropped; vertices with equal coordinates are
+    joined along seams; vertices where the surface only touches itself are cut apart; small loose pieces and
+    unused vertices are left out; faces are turned to agree, and closed surfaces turned outwards. What
+    cannot be repaired (edges with three faces, handles, several large pieces) is left for
+    `require_matchable` to refuse.
 
     Returns
     -------
@@ -38,26 +41,42 @@ def repair(mesh: Mesh) -> Mesh:
         notes.append(f"{_faces(again.sum())} repeating another face dropped.")
         faces, kept = faces[~again], kept[~again]
 
-    twin = _twins(mesh.vertices)
+    faces, rows, number = collapse_needles(mesh.vertices, faces)
+    if number:
+        notes.append(
+            f"{number} edge(s) of next to no length drawn together, with {_faces(len(kept) - len(rows))}."
+        )
+        kept = kept[rows]
+
+    twin = twins(mesh.vertices)
     again = _repeated_pieces(faces, twin)
     if again.any():
         notes.append(f"{_faces(again.sum())} lying exactly on another piece of the surface dropped.")
         faces, kept = faces[~again], kept[~again]
 
     faces, origin, more = _join_and_cut(faces, twin)
+    vertices = mesh.vertices[origin]
     notes += more
 
-    loose = _loose(mesh.vertices[origin], faces)
+    loose = _loose(vertices, faces)
     if loose.any():
         pieces, _ = components(faces[loose])
-        share = areas(mesh.vertices[origin], faces)[loose].sum() / areas(mesh.vertices[origin], faces).sum()
+        size = areas(vertices, faces)
+        percent = 100 * size[loose].sum() / size.sum()
         notes.append(
-            f"{pieces} loose piece(s) with {_faces(loose.sum())} ({100 * share:.2g} % of the area) left out."
+            f"{pieces} loose piece(s), {_faces(loose.sum())}, {percent:.2g} % of the area, left out."
         )
         faces, kept = faces[~loose], kept[~loose]
 
-    faces, more = _orient(mesh.vertices[origin], faces)
+    faces, more = _orient(vertices, faces)
     notes += more
+
+    faces, rows, number, left = turn_caps(vertices, faces)
+    if number:
+        notes.append(f"{_faces(number)} without area removed by turning an edge or at the boundary.")
+        kept = kept[rows]
+    if left:
+        notes.append(f"{_faces(left)} without area left: removing any would change the topology.")
 
     used = np.unique(faces)
     unused = len(mesh.vertices) - len(np.unique(mesh.faces))
@@ -65,33 +84,12 @@ def repair(mesh: Mesh) -> Mesh:
         notes.append(f"{unused} vertices that no face uses left out.")
     return replace(
         mesh,
-        vertices=mesh.vertices[origin[used]],
+        vertices=vertices[used],
         faces=np.searchsorted(used, faces),
         vertex_ids=mesh.vertex_ids[origin[used]],
         face_ids=mesh.face_ids[kept],
         notes=(*mesh.notes, *notes),
     )
-
-
-def areas(vertices: Floats, faces: Ints) -> Floats:
-    """Area of each face (m,), in squared units of the mesh's largest extent (no overflow, no underflow)."""
-    return 0.5 * np.linalg.norm(cross_products(unit_box(vertices), faces), axis=1)
-
-
-def unit_box(vertices: Floats) -> Floats:
-    """The vertices, moved and scaled into the box from -1 to 1."""
-    if not len(vertices):
-        return vertices
-    low, high = vertices.min(axis=0), vertices.max(axis=0)
-    scale = float((high / 2 - low / 2).max())
-    centred = vertices - (low / 2 + high / 2)
-    return centred / scale if scale > 0 else centred
-
-
-def cross_products(vertices: Floats, faces: Ints) -> Floats:
-    """Twice the area vector of each face (m, 3)."""
-    a = vertices[faces[:, 0]]
-    return np.cross(vertices[faces[:, 1]] - a, vertices[faces[:, 2]] - a)
 
 
 def _faces(number: int) -> str:
@@ -106,17 +104,6 @@ def _repeated(rows: Ints) -> np.ndarray:
         again[order[0]] = False
         again[order[1:]] = (rows[order[1:]] == rows[order[:-1]]).all(axis=1)
     return again
-
-
-def _twins(vertices: Floats) -> Ints:
-    """For each vertex the lowest-numbered one with exactly the same coordinates."""
-    order = np.lexsort(vertices.T)  # stable, so the lowest number leads each group
-    ranked = vertices[order]
-    fresh = np.ones(len(vertices), dtype=bool)
-    fresh[1:] = (ranked[1:] != ranked[:-1]).any(axis=1)
-    twin = np.empty(len(vertices), dtype=np.int64)
-    twin[order] = order[fresh][np.cumsum(fresh) - 1]
-    return twin
 
 
 def _repeated_pieces(faces: Ints, twin: Ints) -> np.ndarray:
@@ -139,13 +126,15 @@ def _join_and_cut(faces: Ints, twin: Ints) -> tuple[Ints, Ints, list[str]]:
     A seam is a pair of boundary edges, and no other edge, with equal coordinates. Joining by edges and not by
     vertices keeps surfaces apart that only touch.
 
-    Returns faces in new numbers, the old number of each new vertex (the lowest where several were joined), notes.
+    Returns faces in new numbers, the old number of each new vertex (the lowest where several were joined),
+    notes.
     """
     table = edge_table(faces)
-    seam = None
+    number, label = fans(faces, table)
     if (twin[faces] != faces).any():
-        seam = _seams(faces, twin)
-    number, label = fans(faces, table, seam)
+        fewer, sewn = fans(faces, table, _seams(faces, twin, table))
+        if _no_worse(sewn, label):
+            number, label = fewer, sewn
     old, new = faces.ravel(), label.ravel()
     origin = np.full(number, len(twin), dtype=np.int64)
     np.minimum.at(origin, new, old)
@@ -163,17 +152,23 @@ def _join_and_cut(faces: Ints, twin: Ints) -> tuple[Ints, Ints, list[str]]:
     return rank[label], origin[order], notes
 
 
-def _seams(faces: Ints, twin: Ints) -> tuple[Ints, Ints]:
+def _no_worse(sewn: Ints, plain: Ints) -> bool:
+    """Whether sewing neither folds a face onto itself nor brings a third face to an edge."""
+    if (sewn == sewn[:, [1, 2, 0]]).any():
+        return False
+    return int((edge_table(sewn).counts > 2).sum()) <= int((edge_table(plain).counts > 2).sum())
+
+
+def _seams(faces: Ints, twin: Ints, table: EdgeTable) -> tuple[Ints, Ints]:
     """Pairs of corners to link so that seams close."""
-    table = edge_table(faces)
     ends = np.sort(twin[table.edges], axis=1)
     group = np.unique(ends[:, 0] * (len(twin) + 1) + ends[:, 1], return_inverse=True)[1]
     load = np.bincount(group, weights=table.counts)
     lone = (table.counts == 1) & (load[group] == 2) & (ends[:, 0] != ends[:, 1])
     edge = np.flatnonzero(lone)
-    edge = edge[np.argsort(group[edge], kind="stable")].reshape(-1, 2)
+    pairs = edge[np.argsort(group[edge], kind="stable")].reshape(-1, 2)
     start = np.cumsum(table.counts) - table.counts
-    one, two = table.order[start[edge[:, 0]]], table.order[start[edge[:, 1]]]
+    one, two = table.order[start[pairs[:, 0]]], table.order[start[pairs[:, 1]]]
     firsts, seconds = [], []
     for k in (1, 2):
         a = one // 3 * 3 + (one % 3 + k) % 3
@@ -206,7 +201,9 @@ def _orient(vertices: Floats, faces: Ints) -> tuple[Ints, list[str]]:
     turned = turned & ~twisted
     number, piece = len(np.unique(piece)), np.unique(piece, return_inverse=True)[1]
     size = np.bincount(piece, minlength=number)
-    open_ = np.bincount(piece, weights=(table.counts[table.face_edges] != 2).any(axis=1), minlength=number) > 0
+    open_ = (
+        np.bincount(piece, weights=(table.counts[table.face_edges] != 2).any(axis=1), minlength=number) > 0
+    )
     unit = unit_box(vertices)
     sign = np.where(turned, -1.0, 1.0)
     volumes = sign * np.einsum("ij,ij->i", unit[faces[:, 0]], cross_products(unit, faces))

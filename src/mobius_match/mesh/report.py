@@ -7,8 +7,9 @@ from typing import Any
 import numpy as np
 
 from ..errors import MeshError, TopologyError
+from .measure import areas
 from .mesh import Mesh
-from .repair import areas, repair
+from .repair import repair
 from .topology import components, count_boundary_loops, edge_table, euler_characteristic, fans, sides
 
 MIN_FACES, MIN_VERTICES = 20, 12
@@ -17,7 +18,8 @@ MIN_FACES, MIN_VERTICES = 20, 12
 def require_matchable(mesh: Mesh) -> None:
     """Refuse a mesh that the method cannot work on; call it on a repaired mesh.
 
-    The flattening of section 5 needs one connected orientable piece of a sphere: any number of holes, no handles.
+    The flattening of section 5 needs one connected orientable piece of a sphere: any number of holes, no
+    handles.
 
     Raises
     ------
@@ -38,7 +40,8 @@ def require_matchable(mesh: Mesh) -> None:
         a, b = mesh.vertex_ids[table.edges[many[0]]]
         raise TopologyError(
             f"{name}: {len(many)} edge(s) have more than two faces, the first joins vertices {a} and {b} "
-            f"({table.counts[many[0]]} faces). Remove the extra faces (in a mesh editor: select non-manifold edges)."
+            f"({table.counts[many[0]]} faces). Remove the extra faces (in a mesh editor: select "
+            "non-manifold edges)."
         )
     if sides(faces, table)[2].any():
         raise TopologyError(
@@ -58,11 +61,14 @@ def require_matchable(mesh: Mesh) -> None:
     handles = (2 - count_boundary_loops(table) - euler_characteristic(faces, table)) // 2
     if handles:
         raise TopologyError(
-            f"{name}: the surface has {handles} handle(s) (genus {handles}), but only spheres, with or without holes, "
+            f"{name}: the surface has {handles} handle(s) (genus {handles}), but only spheres, with or "
+            "without holes, "
             "can be flattened. Cut or fill the handles (often: touching parts that a scan has fused)."
         )
     if not areas(mesh.vertices, faces).sum() > 0:
-        raise MeshError(f"{name}: the surface has no area, all its vertices lie on one line. Check the coordinates.")
+        raise MeshError(
+            f"{name}: the surface has no area, all its vertices lie on one line. Check the coordinates."
+        )
 
 
 def describe(mesh: Mesh) -> dict[str, Any]:

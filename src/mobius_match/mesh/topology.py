@@ -72,7 +72,7 @@ def edge_table(faces: Ints) -> EdgeTable:
 
 
 def labels_of(size: int, first: Ints, second: Ints) -> tuple[int, Ints]:
-    """Connected components of the graph with these links: their number, and the label of each of `size` nodes."""
+    """Connected components of a graph with these links: their number, the label of each node (size,)."""
     if not size:
         return 0, np.zeros(0, dtype=np.int64)
     graph = coo_array((np.ones(len(first), dtype=np.int8), (first, second)), shape=(size, size))
@@ -81,7 +81,7 @@ def labels_of(size: int, first: Ints, second: Ints) -> tuple[int, Ints]:
 
 
 def components(faces: Ints, table: EdgeTable | None = None) -> tuple[int, Ints]:
-    """Pieces of surface joined by edges (a shared vertex alone does not join): number, label of each face (m,)."""
+    """Pieces joined by edges (a shared vertex alone does not join): number, label of each face (m,)."""
     first, second = (table or edge_table(faces)).pairs
     return labels_of(len(faces), first // 3, second // 3)
 
@@ -89,13 +89,14 @@ def components(faces: Ints, table: EdgeTable | None = None) -> tuple[int, Ints]:
 def fans(faces: Ints, table: EdgeTable, extra: tuple[Ints, Ints] | None = None) -> tuple[int, Ints]:
     """Fans of faces around vertices: number, label of each corner (m, 3).
 
-    Two corners belong to one fan where faces follow each other over edges at their vertex; a manifold vertex has one
-    fan. `extra` holds further pairs of corners to link.
+    Two corners belong to one fan where faces follow each other over edges at their vertex; a manifold
+    vertex has one fan. `extra` holds further pairs of corners to link.
     """
     one, two = table.pairs
     links_one, links_two = [], []
     for k in (1, 2):
-        # The ends of the common edge, seen from both faces; where the faces disagree on its direction, crosswise.
+        # The ends of the common edge, seen from both faces; where the faces disagree on its direction,
+        # crosswise.
         end_one = one // 3 * 3 + (one + k - one // 3 * 3) % 3
         for j in (1, 2):
             end_two = two // 3 * 3 + (two + j - two // 3 * 3) % 3
@@ -125,8 +126,8 @@ def nonmanifold_vertices(faces: Ints, table: EdgeTable | None = None) -> Ints:
 def sides(faces: Ints, table: EdgeTable) -> tuple[Ints, Bools, Bools]:
     """Which faces agree with each other, found on the two-sheeted cover of the surface.
 
-    Each face has an upper and a lower side; across an edge with two faces, sides join to sides. On an orientable
-    piece the sides fall into two classes; on a Moebius strip all are one.
+    Each face has an upper and a lower side; across an edge with two faces, sides join to sides. On an
+    orientable piece the sides fall into two classes; on a Moebius strip all are one.
 
     Returns
     -------
@@ -142,7 +143,10 @@ def sides(faces: Ints, table: EdgeTable) -> tuple[Ints, Bools, Bools]:
     plain = table.counts[table.face_edges.ravel()[one]] == 2
     one, two = one[plain], two[plain]
     corners = faces.ravel()
-    clash = corners[one // 3 * 3 + (one + 1 - one // 3 * 3) % 3] == corners[two // 3 * 3 + (two + 1 - two // 3 * 3) % 3]
+    clash = (
+        corners[one // 3 * 3 + (one + 1 - one // 3 * 3) % 3]
+        == corners[two // 3 * 3 + (two + 1 - two // 3 * 3) % 3]
+    )
     f, g = one // 3, two // 3
     _, labels = labels_of(2 * m, np.concatenate([f, f + m]), np.concatenate([g + m * clash, g + m * ~clash]))
     upper, lower = labels[:m], labels[m:]
@@ -173,11 +177,14 @@ def boundary_loops(faces: Ints, table: EdgeTable | None = None) -> list[Ints]:
     loops = []
     for start in list(after):
         while after.get(start):
-            loop, at = [], start
+            loop: list[int] = []
+            at = start
             while at != start or not loop:
                 loop.append(at)
                 if not after.get(at):
-                    raise TopologyError("the faces along the boundary are not consistently oriented; repair first.")
+                    raise TopologyError(
+                        "the faces along the boundary are not consistently oriented; repair first."
+                    )
                 at = after[at].pop()
             loops.append(np.array(loop, dtype=np.int64))
     return sorted(loops, key=lambda loop: -len(loop))

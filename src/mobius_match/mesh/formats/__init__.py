@@ -1,7 +1,8 @@
-"""One file a format. Each reader turns bytes into a `RawMesh` that keeps the numbers of the user's file.
+"""One file a format: each reader turns bytes into a `RawMesh` that keeps the numbers of the user's file.
 
-OFF, OBJ, PLY, STL and legacy VTK are read here and not by trimesh or meshio: trimesh stacks triangles before
-quads and splits OBJ vertices at texture seams, meshio groups faces by size or reads no polygonal VTK at all, and the
-promise of this package is that vertex and face numbers are those of the user's own file. glTF (trimesh) and the XML
-kind of VTK (meshio) come through faithfully and are left to the libraries.
+General mesh libraries read these formats too, but not faithfully to the numbering: trimesh stacks triangles
+before quadrilaterals, may split OBJ vertices at texture seams, walks glTF nodes from last to first and
+fills compressed geometry with zeros; meshio knows fewer types of PLY and no polygons in VTK files. The
+promise here is that every vertex and face number is that of the user's own file, and that a damaged file is
+refused quickly.
 """

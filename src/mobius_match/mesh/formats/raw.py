@@ -16,7 +16,8 @@ from ..mesh import Floats, Ints
 class RawMesh:
     """Vertices and polygons in the order of the file, nothing checked yet.
 
-    `sizes` (F,) holds the number of corners of each polygon, `corners` (sum of sizes,) all vertex numbers in a row.
+    `sizes` (F,) holds the number of corners of each polygon, `corners` (sum of sizes,) all vertex numbers
+    in a row.
     """
 
     vertices: Floats
@@ -39,8 +40,10 @@ def check_corners(raw: RawMesh) -> None:
     if len(bad):
         owner = np.repeat(np.arange(len(raw.sizes)), raw.sizes)[bad]
         raise FormatError(
-            f"face {owner[0]} (counting from 0) names vertex {raw.corners[bad[0]]}, but there are {n} vertices, "
-            f"numbered 0 to {n - 1}; {len(np.unique(owner))} of {len(raw.sizes)} faces are wrong in this way. "
+            f"face {owner[0]} (counting from 0) names vertex {raw.corners[bad[0]]}, but there are {n} "
+            "vertices, "
+            f"numbered 0 to {n - 1}; {len(np.unique(owner))} of {len(raw.sizes)} faces are wrong in this "
+            "way. "
             "The file is damaged or was cut short: export it again."
         )
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -24,9 +25,11 @@ class Lines:
         return len(self.text)
 
     def take(self, start: int, stop: int) -> Lines:
+        """The lines from `start` up to `stop`."""
         return Lines(self.text[start:stop], self.numbers[start:stop])
 
     def pick(self, rows: NDArray[Any]) -> Lines:
+        """The lines with these places in the list."""
         return Lines([self.text[i] for i in rows], [self.numbers[i] for i in rows])
 
 
@@ -47,12 +50,12 @@ def content_lines(data: bytes) -> Lines:
     return Lines(list(itertools.compress(lines, kept)), list(itertools.compress(itertools.count(1), kept)))
 
 
-def table(lines: Lines, columns: range, dtype: type, what: str) -> NDArray[Any]:
+def table(lines: Lines, columns: Sequence[int], dtype: type, what: str) -> NDArray[Any]:
     """The named columns of every line, (len(lines), len(columns)); further columns are not looked at."""
     if not len(lines) or not len(columns):
         return np.zeros((len(lines), len(columns)), dtype=dtype)
     try:
-        out = np.loadtxt(lines.text, dtype=dtype, comments=None, usecols=columns, ndmin=2)
+        out: NDArray[Any] = np.loadtxt(lines.text, dtype=dtype, comments=None, usecols=columns, ndmin=2)
     except (ValueError, OverflowError, IndexError) as error:
         raise _bad_line(lines, columns, dtype, what) from error
     if out.shape != (len(lines), len(columns)):
@@ -60,9 +63,9 @@ def table(lines: Lines, columns: range, dtype: type, what: str) -> NDArray[Any]:
     return out
 
 
-def _bad_line(lines: Lines, columns: range, dtype: type, what: str) -> FormatError:
+def _bad_line(lines: Lines, columns: Sequence[int], dtype: type, what: str) -> FormatError:
     kind = "whole numbers" if dtype is np.int64 else "numbers"
-    need = columns[-1] + 1
+    need = max(columns) + 1
     for text, number in zip(lines.text, lines.numbers, strict=True):
         words = text.split()
         if len(words) < need:
@@ -79,7 +82,12 @@ def _bad_line(lines: Lines, columns: range, dtype: type, what: str) -> FormatErr
 
 def polygon_rows(lines: Lines) -> tuple[Ints, Ints]:
     """Rows ``k i1 ... ik`` of any mixture of k: the sizes, and all corners in a row."""
-    sizes: Ints = table(lines, range(1), np.int64, "face")[:, 0]
+    sizes: Ints = table(lines, [0], np.int64, "face")[:, 0]
+    return sizes, polygon_corners(lines, sizes, 1)
+
+
+def polygon_corners(lines: Lines, sizes: Ints, first: int) -> Ints:
+    """The vertex numbers of rows of different lengths, those of each row beginning in column `first`."""
     longest = max(map(len, lines.text), default=0)
     wrong = np.flatnonzero((sizes < 0) | (sizes > longest))
     if len(wrong):
@@ -91,9 +99,9 @@ def polygon_rows(lines: Lines) -> tuple[Ints, Ints]:
     corners = np.zeros(int(sizes.sum()), dtype=np.int64)
     for size in np.unique(sizes):
         rows = np.flatnonzero(sizes == size)
-        block = table(lines.pick(rows), range(1, size + 1), np.int64, f"face with {size} corners")
+        block = table(lines.pick(rows), range(first, first + size), np.int64, f"face with {size} corners")
         corners[start[rows, None] + np.arange(size)] = block
-    return sizes, corners
+    return corners
 
 
 def whole_numbers(text: str, number: int, what: str) -> list[int]:

@@ -1,0 +1,39 @@
+"""Lengths and areas that neither overflow nor underflow, whatever the units of the mesh."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from .mesh import Floats, Ints
+
+
+def areas(vertices: Floats, faces: Ints) -> Floats:
+    """Area of each face (m,), in squared units of the mesh's largest extent (no overflow, no underflow)."""
+    return 0.5 * np.linalg.norm(cross_products(unit_box(vertices), faces), axis=1)
+
+
+def unit_box(vertices: Floats) -> Floats:
+    """The vertices, moved and scaled into the box from -1 to 1."""
+    if not len(vertices):
+        return vertices
+    low, high = vertices.min(axis=0), vertices.max(axis=0)
+    scale = float((high / 2 - low / 2).max())
+    centred = vertices - (low / 2 + high / 2)
+    return centred / scale if scale > 0 else centred
+
+
+def cross_products(vertices: Floats, faces: Ints) -> Floats:
+    """Twice the area vector of each face (m, 3)."""
+    a = vertices[faces[:, 0]]
+    return np.cross(vertices[faces[:, 1]] - a, vertices[faces[:, 2]] - a)
+
+
+def twins(vertices: Floats) -> Ints:
+    """For each vertex the lowest-numbered one with exactly the same coordinates."""
+    order = np.lexsort(vertices.T)  # stable, so the lowest number leads each group
+    ranked = vertices[order]
+    fresh = np.ones(len(vertices), dtype=bool)
+    fresh[1:] = (ranked[1:] != ranked[:-1]).any(axis=1)
+    twin = np.empty(len(vertices), dtype=np.int64)
+    twin[order] = order[fresh][np.cumsum(fresh) - 1]
+    return twin

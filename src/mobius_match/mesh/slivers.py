@@ -1,0 +1,148 @@
+"""Triangles without area: what lies between faces is kept whole, only the diagonal or a double point goes.
+
+Taking such a triangle out of a surface would leave a slit. A needle (one edge next to nothing) goes by
+drawing that edge together; a cap (a corner on the opposite edge) by turning its longest edge, which leaves every
+vertex and the shape as they were. Angles and lengths are then good enough for intrinsic computations.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from .measure import cross_products, unit_box
+from .mesh import Floats, Ints
+from .topology import EdgeTable, edge_table
+
+FLAT = 1e-7  # height, or shortest edge, over longest edge: what float32 files can resolve
+ROUNDS = 20
+
+
+def collapse_needles(vertices: Floats, faces: Ints) -> tuple[Ints, Ints, int]:
+    """Draw together edges far shorter than their faces, where the surface stays what it is.
+
+    Returns
+    -------
+    faces : (m', 3) int64
+        The faces left, with the lower-numbered end in place of both.
+    rows : (m',) int64
+        Which of the given faces each is.
+    number : int
+        How many edges were drawn together.
+    """
+    unit, rows, number = unit_box(vertices), np.arange(len(faces)), 0
+    for _ in range(ROUNDS):
+        table = edge_table(faces)
+        length = np.linalg.norm(unit[table.edges[:, 0]] - unit[table.edges[:, 1]], axis=1)
+        longest = length[table.face_edges].max(axis=1, initial=0)
+        short = (length[table.face_edges] <= FLAT * longest[:, None]) & (longest[:, None] > 0)
+        candidates = np.unique(table.face_edges[short])
+        target = _collapses(table, candidates[np.argsort(length[candidates], kind="stable")], len(vertices))
+        if not len(target):
+            break
+        number += len(target)
+        moved = np.arange(len(vertices))
+        moved[target[:, 1]] = target[:, 0]
+        faces = moved[faces]
+        whole = (faces != faces[:, [1, 2, 0]]).all(axis=1)
+        faces, rows = faces[whole], rows[whole]
+    return faces, rows, number
+
+
+def _collapses(table: EdgeTable, candidates: Ints, n: int) -> Ints:
+    """Edges (kept, dropped) that can be drawn together at once without changing the topology."""
+    both = np.concatenate([table.edges, table.edges[:, ::-1]])
+    both = both[np.argsort(both[:, 0], kind="stable")]
+    start = np.searchsorted(both[:, 0], np.arange(n + 1))
+    rim = np.zeros(n, dtype=bool)
+    rim[table.edges[table.counts != 2]] = True
+    touched: set[int] = set()
+    chosen = []
+    for edge in candidates.tolist():
+        u, v = table.edges[edge].tolist()
+        if u in touched or v in touched or table.counts[edge] > 2:
+            continue
+        around = [set(both[start[w] : start[w + 1], 1].tolist()) for w in (u, v)]
+        # The link condition: common neighbours only across the edge itself, and no bridge between two rims.
+        bridge = rim[u] and rim[v] and table.counts[edge] == 2
+        everyone = around[0] | around[1]
+        if bridge or len(around[0] & around[1]) != table.counts[edge] or len(everyone) <= 4:
+            continue
+        if everyone & touched:
+            continue
+        touched |= everyone
+        chosen.append((u, v))
+    return np.array(chosen, dtype=np.int64).reshape(-1, 2)
+
+
+def is_flat(unit: Floats, faces: Ints) -> np.ndarray:
+    """Faces with next to no height over their longest edge (m,)."""
+    sides = unit[faces[:, [2, 0, 1]]] - unit[faces[:, [1, 2, 0]]]
+    longest = (sides**2).sum(axis=2).max(axis=1, initial=0)
+    return np.linalg.norm(cross_products(unit, faces), axis=1) <= FLAT * longest
+
+
+def turn_caps(vertices: Floats, faces: Ints) -> tuple[Ints, Ints, int, int]:
+    """Turn the longest edge of flat faces; on the boundary drop the face, which loses nothing there.
+
+    The faces must be consistently oriented and manifold.
+
+    Returns
+    -------
+    faces : (m', 3) int64
+    rows : (m',) int64
+        Which of the given faces each lies in.
+    number : int
+        How many flat faces are gone.
+    left : int
+        How many are left, because each remedy would change the topology.
+    """
+    unit, rows = unit_box(vertices), np.arange(len(faces))
+    flat = is_flat(unit, faces)
+    before = int(flat.sum())
+    for _ in range(ROUNDS):
+        if not flat.any():
+            break
+        faces, rows, changed = _turn_once(unit, faces, rows, np.flatnonzero(flat))
+        if not changed:
+            break
+        flat = is_flat(unit, faces)
+    return faces, rows, before - int(flat.sum()), int(flat.sum())
+
+
+def _turn_once(unit: Floats, faces: Ints, rows: Ints, flat: Ints) -> tuple[Ints, Ints, bool]:
+    table = edge_table(faces)
+    known = table.edges[:, 0] * len(unit) + table.edges[:, 1]
+    rim = np.zeros(len(unit), dtype=bool)
+    rim[table.edges[table.counts == 1]] = True
+    sides = unit[faces[flat][:, [2, 0, 1]]] - unit[faces[flat][:, [1, 2, 0]]]
+    tops = (sides**2).sum(axis=2).argmax(axis=1)
+    faces, rows = faces.copy(), rows.copy()
+    touched: set[int] = set()
+    gone = np.zeros(len(faces), dtype=bool)
+    changed = False
+    for f, k in zip(flat.tolist(), tops.tolist(), strict=True):
+        p, a, b = faces[f, [k, (k + 1) % 3, (k + 2) % 3]].tolist()
+        edge = table.face_edges[f, k]
+        if touched & {p, a, b}:
+            continue
+        if table.counts[edge] == 1:
+            ear = (table.counts[table.face_edges[f]] == 1).sum() > 1
+            if ear or not rim[p]:
+                gone[f] = changed = True
+                touched |= {p, a, b}
+        elif table.counts[edge] == 2:
+            g = int(table.edge_faces[edge].sum()) - f
+            j = int(np.flatnonzero(table.face_edges[g] == edge)[0])
+            q = int(faces[g, j])
+            key = min(p, q) * len(unit) + max(p, q)
+            place = np.searchsorted(known, key)
+            exists = place < len(known) and known[place] == key
+            agree = faces[g, (j + 1) % 3] == b
+            new = np.array([[p, a, q], [p, q, b]])
+            if q in touched or p == q or exists or not agree or is_flat(unit, new).any():
+                continue
+            faces[[f, g]] = new
+            rows[f] = rows[g]
+            touched |= {p, a, b, q}
+            changed = True
+    return faces[~gone], rows[~gone], changed
