@@ -162,13 +162,24 @@ def vote(points1, points2, triplets1, triplets2, least_pairs, epsilon, spherical
 
 @jit
 def vote_weighted(
-    points1, points2, triplets1, triplets2, geodesics1, geodesics2, similarity, scale, power, spherical, votes
+    points1,
+    points2,
+    triplets1,
+    triplets2,
+    geodesics1,
+    geodesics2,
+    similarity,
+    scale,
+    power,
+    least_pairs,
+    spherical,
+    votes,
 ):
-    """Algorithm 2 with weighed pairs instead of the threshold K and the energy of section 7.
+    """Algorithm 2 with weighed pairs in place of the energy of section 7.
 
     A mutually nearest pair counts by how well its geodesic distances to the triplet's points agree on both surfaces,
-    times the similarity of its descriptors; the triplet by the sum of its pairs to a power. So a triplet that explains
-    a part of the surface well has a say, and one that maps everything to a clump has none.
+    times the similarity of its descriptors; the triplet by the mean of its pairs' weights to a power. So a triplet
+    that explains a part of the surface well has a say, and one that maps everything to a clump has none.
 
     Parameters
     ----------
@@ -179,38 +190,40 @@ def vote_weighted(
     scale
         Difference of distances per sqrt(area) at which a pair's weight is 1 / e.
     power
-        The power that the sum of the weights is raised to.
+        The power that the sum of the weights, as a fraction of the samples, is raised to.
 
-    Other parameters, and what is returned, as in :func:`vote`.
+    The other parameters, and what is returned, are those of :func:`vote`.
     """
     n1, n2 = len(points1), len(points2)
     plane1, plane2 = np.empty((2, n1), np.float32), np.empty((2, n2), np.float32)
     sphere1, sphere2 = np.empty((3, n1), np.float32), np.empty((3, n2), np.float32)
     distances = np.empty((n1, n2), np.float32)
     row_least, column_least = np.empty(n1, np.float32), np.empty(n2, np.float32)
-    partner, weight = np.empty(n1, np.int64), np.empty(n1)
-    scores = np.zeros(len(triplets1))
+    partner, weight = np.empty(n1, np.int64), np.zeros(n1)
+    n_voting = 0
     for i in range(len(triplets1)):
         if not to_canonical(points1, triplets1[i], plane1) or not to_canonical(points2, triplets2[i], plane2):
             continue
         if spherical:
             to_sphere(plane1, sphere1)
             to_sphere(plane2, sphere2)
-            mutually_nearest(sphere1, sphere2, distances, row_least, column_least, partner)
+            n = mutually_nearest(sphere1, sphere2, distances, row_least, column_least, partner)
         else:
-            mutually_nearest(plane1, plane2, distances, row_least, column_least, partner)
-        total = 0.0
-        for k in range(n1):
-            j = partner[k]
-            if j >= 0:
-                difference = 0.0
-                for corner in range(3):
-                    near, far = triplets1[i, corner], triplets2[i, corner]
-                    difference += abs(geodesics1[near, k] - geodesics2[far, j]) / 3
-                weight[k] = similarity[k, j] * math.exp(-((difference / scale) ** 2))
-                total += weight[k]
-        scores[i] = total
-        for k in range(n1):
-            if partner[k] >= 0:
-                votes[k, partner[k]] += weight[k] * (total / n1) ** power
-    return scores
+            n = mutually_nearest(plane1, plane2, distances, row_least, column_least, partner)
+        if n >= least_pairs:
+            total = 0.0
+            for k in range(n1):
+                if partner[k] >= 0:
+                    difference = 0.0
+                    for corner in range(3):
+                        here = geodesics1[triplets1[i, corner], k]
+                        there = geodesics2[triplets2[i, corner], partner[k]]
+                        difference += abs(here - there) / 3
+                    weight[k] = similarity[k, partner[k]] * math.exp(-((difference / scale) ** 2))
+                    total += weight[k]
+            worth = (total / n1) ** power
+            for k in range(n1):
+                if partner[k] >= 0:
+                    votes[k, partner[k]] += weight[k] * worth
+            n_voting += 1
+    return n_voting

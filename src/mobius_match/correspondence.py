@@ -1,0 +1,143 @@
+"""The result of a match: pairs of vertices with confidence, and the file they are kept in."""
+
+from __future__ import annotations
+
+import json
+import os
+import tempfile
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from .errors import FormatError
+
+if TYPE_CHECKING:
+    from .surface import Surface
+    from .voting import Votes
+
+FORMAT = "mobius-match/correspondence"
+VERSION = 1
+
+
+@dataclass(frozen=True, eq=False)
+class Correspondence:
+    """Corresponding vertices of two meshes, the most confident first.
+
+    Parameters
+    ----------
+    pairs
+        (Q, 2) int64: vertex of the source and vertex of the target, numbers from 0 of the user's own meshes.
+    confidence
+        (Q,) float64 in [0, 1], not increasing.
+    kind
+        (Q,) str: ``"voted"``, or ``"recovered"`` for a pair of low confidence that the others bear out (section 8).
+    source_info, target_info
+        Path, SHA-256, numbers of vertices and faces, area and geodesic diameter of the two meshes.
+    settings, timings, software
+        What the match was made with, and the seconds that its stages took.
+    warnings
+        What a user should know about the meshes and the match, one line each.
+    source, target
+        The prepared surfaces; None for a result that was loaded from a file.
+    votes
+        The fuzzy correspondence matrix; None for a result that was loaded from a file.
+    """
+
+    pairs: np.ndarray
+    confidence: np.ndarray
+    kind: np.ndarray
+    source_info: dict[str, Any]
+    target_info: dict[str, Any]
+    settings: dict[str, Any]
+    timings: dict[str, float] = field(default_factory=dict)
+    software: dict[str, str] = field(default_factory=dict)
+    warnings: tuple[str, ...] = ()
+    source: Surface | None = None
+    target: Surface | None = None
+    votes: Votes | None = None
+
+    def __len__(self) -> int:
+        return len(self.pairs)
+
+    def __repr__(self) -> str:
+        names = [Path(info["path"] or "array").name for info in (self.source_info, self.target_info)]
+        return f"<Correspondence {names[0]} -> {names[1]}: {len(self)} pairs>"
+
+    def to_dict(self) -> dict[str, Any]:
+        """The result as JSON-able values, in the layout of the result file."""
+        return {
+            "format": FORMAT,
+            "version": VERSION,
+            "source": self.source_info,
+            "target": self.target_info,
+            "correspondences": [
+                {"source": int(i), "target": int(j), "confidence": float(c), "kind": str(kind)}
+                for (i, j), c, kind in zip(self.pairs, self.confidence, self.kind, strict=True)
+            ],
+            "settings": self.settings,
+            "timings": self.timings,
+            "software": self.software,
+            "warnings": list(self.warnings),
+        }
+
+    def to_json(self) -> str:
+        """The text of the result file."""
+        return json.dumps(self.to_dict(), indent=1, allow_nan=False) + "\n"
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write the result as JSON; an existing file is replaced at once or not at all."""
+        write_atomically(Path(path), self.to_json().encode())
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> Correspondence:
+        """Read a result file.
+
+        Raises
+        ------
+        FormatError
+            If the file cannot be read or is no result file of this version.
+        """
+        try:
+            content = json.loads(Path(path).read_text(encoding="utf-8"))
+        except (OSError, ValueError) as error:
+            raise FormatError(f"{path}: not a readable result file ({error}); make one with mobius match -o") from error
+        if not isinstance(content, dict) or content.get("format") != FORMAT:
+            raise FormatError(f"{path}: not a result of mobius match; its 'format' should be '{FORMAT}'")
+        if content.get("version") != VERSION:
+            raise FormatError(
+                f"{path}: has version {content.get('version')!r} and this program reads {VERSION}; "
+                "make it again, or use the program that made it"
+            )
+        try:
+            rows = content["correspondences"]
+            return cls(
+                pairs=np.array([(row["source"], row["target"]) for row in rows], np.int64).reshape(-1, 2),
+                confidence=np.array([row["confidence"] for row in rows], np.float64),
+                kind=np.array([row["kind"] for row in rows], dtype="<U9"),
+                source_info=dict(content["source"]),
+                target_info=dict(content["target"]),
+                settings=dict(content["settings"]),
+                timings=dict(content["timings"]),
+                software=dict(content["software"]),
+                warnings=tuple(content.get("warnings", ())),
+            )
+        except (KeyError, TypeError, ValueError, OverflowError) as error:
+            raise FormatError(f"{path}: the result file is damaged ({error!r}); make it again") from error
+
+
+def write_atomically(path: Path, content: bytes) -> None:
+    """Write a file by way of a temporary one beside it, so that no reader ever sees half of it."""
+    handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
+    try:
+        with os.fdopen(handle, "wb") as stream:
+            stream.write(content)
+        # mkstemp makes private files; a result has the permissions that any new file would have.
+        mask = os.umask(0)
+        os.umask(mask)
+        os.chmod(temporary, 0o666 & ~mask)
+        os.replace(temporary, path)
+    except BaseException:
+        os.unlink(temporary)
+        raise

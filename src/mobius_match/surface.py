@@ -1,0 +1,195 @@
+"""A mesh made ready for matching: sections 4 and 5 and the descriptors, computed once and shared between pairs."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from threadpoolctl import threadpool_limits
+
+from .errors import MeshError
+from .flattening import choose_cut_face, flatten, vertex_positions
+from .geometry.geodesics import geodesic_solver
+from .geometry.laplacian import intrinsic_mesh, vertex_areas
+from .geometry.spectral import eigenbasis, wave_kernel_signature
+from .mesh import Mesh, as_mesh, repair, require_matchable
+from .sampling import sample_points
+from .settings import PrepareSettings
+
+Progress = Callable[[str, int, int], None]
+"""Called with the name of a stage, how much of it is done, and how much there is."""
+
+EIGENFUNCTIONS = 100
+LARGEST_CLOSURE = 1e-6
+"""Closure of the conjugate function above which a flattening is not to be trusted."""
+
+
+@dataclass(frozen=True, eq=False)
+class Surface:
+    """A prepared mesh: plain arrays, no solver.
+
+    Parameters
+    ----------
+    mesh
+        The repaired mesh.
+    settings
+        What it was prepared with.
+    samples
+        (N,) int64 vertex numbers of the sample points in ``mesh`` (section 4), maxima of curvature first.
+    n_maxima
+        How many of the samples are maxima of curvature.
+    distances
+        (N, N) float64 geodesic distances between the samples, symmetric, in the units of the mesh.
+    cells
+        (N,) float64 areas of the samples' cells, in squared units of the mesh.
+    positions
+        (N,) complex128 positions in the plane (section 5).
+    signatures
+        (N, 100) float64 wave kernel signatures.
+    cut_vertex
+        Vertex of least average geodesic distance, at which the flattening is cut.
+    closure
+        Closure error of the conjugate function, as a fraction of the flattening's extent.
+    area, diameter
+        Area and (estimated) geodesic diameter, in units of the mesh.
+    timings
+        Seconds that each stage took.
+    warnings
+        What a user should know.
+    """
+
+    mesh: Mesh
+    settings: PrepareSettings
+    samples: np.ndarray
+    n_maxima: int
+    distances: np.ndarray
+    cells: np.ndarray
+    positions: np.ndarray
+    signatures: np.ndarray
+    cut_vertex: int
+    closure: float
+    area: float
+    diameter: float
+    timings: dict[str, float]
+    warnings: tuple[str, ...]
+
+    @property
+    def normalized_distances(self) -> np.ndarray:
+        """Geodesic distances between the samples per sqrt(area), (N, N)."""
+        return self.distances / np.sqrt(self.area)
+
+    @property
+    def average_distances(self) -> np.ndarray:
+        """Average geodesic distance of each sample to the surface per sqrt(area), (N,)."""
+        return self.normalized_distances @ self.cells / self.area
+
+
+def prepare(
+    thing: Any,
+    settings: PrepareSettings | None = None,
+    *,
+    progress: Progress | None = None,
+    **overrides: Any,
+) -> Surface:
+    """Make a mesh ready for matching.
+
+    Parameters
+    ----------
+    thing
+        A path, ``(vertices, faces)``, anything with both as attributes, or a Surface, which is returned as it is.
+    settings
+        A :class:`PrepareSettings`; single values can be given as keywords instead.
+    progress
+        Called as ``progress(stage, done, total)``.
+
+    Raises
+    ------
+    MeshError
+        If the mesh cannot be read or used; the message says why and what to do.
+    SettingsError
+        If a setting is out of range.
+    """
+    if isinstance(thing, Surface):
+        return thing
+    settings = settings or PrepareSettings(**overrides)
+    clock = _Clock()
+    mesh = repair(as_mesh(thing))
+    require_matchable(mesh)
+    clock.lap("reading")
+    # One BLAS thread: these are many small calls, and sums must not depend on the number of processors.
+    with threadpool_limits(limits=1, user_api="blas"):
+        return _prepare(mesh, settings, clock, progress or (lambda stage, done, total: None))
+
+
+def _prepare(mesh: Mesh, settings: PrepareSettings, clock: _Clock, progress: Progress) -> Surface:
+    warnings = []
+    # A box of size 1 keeps squares and areas far from overflow, whatever the units of the file.
+    scale = float(np.ptp(mesh.vertices, axis=0).max())
+    vertices = (mesh.vertices - mesh.vertices.mean(axis=0)) / scale
+    triangulation = intrinsic_mesh(vertices, mesh.faces, delaunay=settings.triangulation == "delaunay")
+    areas = vertex_areas(triangulation)
+    area = float(areas.sum())
+    progress(f"sampling {mesh.name}", 0, 3)
+    solver = geodesic_solver(vertices, mesh.faces, settings.geodesics)
+    samples = sample_points(triangulation, solver, settings.samples)
+    if not np.isfinite(samples.distances).all():
+        raise MeshError(f"{mesh.name}: geodesic distances could not be computed; check the mesh for sliver triangles")
+    if len(samples.vertices) < settings.samples:
+        warnings.append(
+            f"{mesh.name}: has only {len(samples.vertices)} vertices; each of them is a sample "
+            f"({settings.samples} were asked for)"
+        )
+    cells = np.bincount(samples.distances.argmin(axis=0), areas, len(samples.vertices))
+    distances = samples.distances[:, samples.vertices]
+    # Heat distances are not quite symmetric.
+    distances = (distances + distances.T) / 2
+    np.fill_diagonal(distances, 0.0)
+    clock.lap("sampling")
+    progress(f"flattening {mesh.name}", 1, 3)
+    average = cells @ samples.distances / area
+    cut_face = choose_cut_face(triangulation, average)
+    flattening = flatten(triangulation, cut_face)
+    if not flattening.closure < LARGEST_CLOSURE:
+        warnings.append(
+            f"{mesh.name}: the flattening closes only to {flattening.closure:.1e} of its extent; "
+            "matches may suffer; remove sliver triangles"
+        )
+    positions = vertex_positions(flattening, triangulation, samples.vertices, settings.placement)
+    clock.lap("flattening")
+    progress(f"describing {mesh.name}", 2, 3)
+    eigenvalues, eigenfunctions = eigenbasis(triangulation, EIGENFUNCTIONS)
+    signatures = wave_kernel_signature(eigenvalues, eigenfunctions[samples.vertices])
+    clock.lap("descriptors")
+    progress(f"prepared {mesh.name}", 3, 3)
+    return Surface(
+        mesh=mesh,
+        settings=settings,
+        samples=samples.vertices,
+        n_maxima=samples.n_maxima,
+        distances=distances * scale,
+        cells=cells * scale**2,
+        positions=positions,
+        signatures=signatures,
+        cut_vertex=int(np.argmin(average)),
+        closure=flattening.closure,
+        area=area * scale**2,
+        diameter=float(samples.distances.max()) * scale,
+        timings=clock.laps,
+        warnings=tuple(warnings),
+    )
+
+
+class _Clock:
+    """Seconds between one call of :meth:`lap` and the next."""
+
+    def __init__(self) -> None:
+        self.laps: dict[str, float] = {}
+        self._last = time.perf_counter()
+
+    def lap(self, name: str) -> None:
+        now = time.perf_counter()
+        self.laps[name] = now - self._last
+        self._last = now

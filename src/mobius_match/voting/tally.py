@@ -1,0 +1,180 @@
+"""Sections 6 and 7: many triplets on several threads, their votes summed into the fuzzy correspondence matrix C.
+
+The triplets are cut into batches whose number depends on nothing but how many triplets there are; each batch has a
+random stream and a matrix of its own, and the matrices are summed in the order of the batches. So the result does not
+depend on the number of threads.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from ..mobius import homogeneous
+from ..settings import MatchSettings
+from ..surface import Progress, Surface
+from .kernel import vote, vote_weighted
+from .proposals import (
+    CENTRALITY_TOLERANCE,
+    LEAST_SPREAD,
+    LENGTH_TOLERANCE,
+    guided_triplets,
+    uniform_triplets,
+)
+
+LEAST_BATCHES = 32
+LARGEST_BATCH = 50_000
+
+WEIGHT_SCALE = 0.1
+"""Difference of geodesic distances per sqrt(area) at which the weight of a pair has fallen to 1 / e."""
+
+WEIGHT_POWER = 6.0
+"""Power of the sum of a triplet's weights that its votes are worth."""
+
+DEFAULT_MIN_FRACTION = 0.4
+"""Section 6: K is 40 % of the samples."""
+
+
+@dataclass(frozen=True, eq=False)
+class Votes:
+    """The fuzzy correspondence matrix and how it came about.
+
+    Parameters
+    ----------
+    matrix
+        (N1, N2) float64, the matrix C, not normalised.
+    n_triplets
+        How many triplets were evaluated.
+    n_voting
+        How many of them voted.
+    warnings
+        What a user should know.
+    """
+
+    matrix: np.ndarray
+    n_triplets: int
+    n_voting: int
+    warnings: tuple[str, ...] = ()
+
+
+Batch = Callable[[np.random.SeedSequence, int], tuple[np.ndarray, int, int]]
+"""Takes a random stream and a number of triplets; gives votes (N1, N2), triplets evaluated, triplets that voted."""
+
+
+def cast_votes(
+    source: Surface, target: Surface, settings: MatchSettings, progress: Progress | None = None
+) -> Votes:
+    """Run Algorithm 2 on two prepared surfaces.
+
+    Parameters
+    ----------
+    source, target
+        The surfaces.
+    settings
+        How triplets are drawn and weighed, how many, the seed, and how many threads.
+    progress
+        Called as ``progress("voting", batches done, batches)``.
+    """
+    make_batch = _guided if settings.proposal == "guided" else _uniform
+    batch, warnings = make_batch(source, target, settings)
+    total = settings.number_of_votes()
+    n_batches = max(LEAST_BATCHES, -(-total // LARGEST_BATCH))
+    sizes = [total * (k + 1) // n_batches - total * k // n_batches for k in range(n_batches)]
+    streams = np.random.SeedSequence(settings.seed).spawn(n_batches)
+    matrix = np.zeros((len(source.samples), len(target.samples)))
+    evaluated = voting = 0
+    with ThreadPoolExecutor(settings.jobs or os.cpu_count() or 1) as pool:
+        try:
+            for done, (votes, n, m) in enumerate(pool.map(batch, streams, sizes)):
+                matrix += votes
+                evaluated, voting = evaluated + n, voting + m
+                if progress is not None:
+                    progress("voting", done + 1, n_batches)
+        except BaseException:
+            pool.shutdown(wait=False, cancel_futures=True)
+            raise
+    return Votes(matrix, evaluated, voting, warnings)
+
+
+def _uniform(source: Surface, target: Surface, settings: MatchSettings) -> tuple[Batch, tuple[str, ...]]:
+    fraction = DEFAULT_MIN_FRACTION if settings.min_fraction is None else settings.min_fraction
+    least_pairs = int(np.ceil(fraction * min(len(source.samples), len(target.samples))))
+    points1, points2 = homogeneous(source.positions), homogeneous(target.positions)
+    spherical = settings.distance == "spherical"
+
+    def batch(stream: np.random.SeedSequence, size: int) -> tuple[np.ndarray, int, int]:
+        triplets = uniform_triplets(np.random.default_rng(stream), size, len(points1), len(points2))
+        matrix = np.zeros((len(points1), len(points2)))
+        return matrix, size, vote(points1, points2, *triplets, least_pairs, settings.epsilon, spherical, matrix)
+
+    return batch, ()
+
+
+def _guided(source: Surface, target: Surface, settings: MatchSettings) -> tuple[Batch, tuple[str, ...]]:
+    geodesics1, geodesics2 = source.normalized_distances, target.normalized_distances
+    points1, points2 = homogeneous(source.positions), homogeneous(target.positions)
+    similarity = signature_similarity(source.signatures, target.signatures)
+    least_pairs = int(np.ceil((settings.min_fraction or 0.0) * min(similarity.shape)))
+    draw, warnings = _proposals(source, target)
+    weigh = partial(
+        vote_weighted,
+        points1,
+        points2,
+        geodesics1=geodesics1,
+        geodesics2=geodesics2,
+        similarity=similarity,
+        scale=WEIGHT_SCALE,
+        power=WEIGHT_POWER,
+        least_pairs=least_pairs,
+        spherical=settings.distance == "spherical",
+    )
+
+    def batch(stream: np.random.SeedSequence, size: int) -> tuple[np.ndarray, int, int]:
+        triplets1, triplets2 = draw(int(stream.generate_state(1)[0]), size)
+        matrix = np.zeros(similarity.shape)
+        return matrix, len(triplets1), weigh(triplets1, triplets2, votes=matrix)
+
+    return batch, warnings
+
+
+def _proposals(source: Surface, target: Surface) -> tuple[Callable[..., Any], tuple[str, ...]]:
+    """The drawing of guided triplets, with tolerances as tight as still let most draws succeed."""
+    central1, central2 = source.average_distances, target.average_distances
+    trial = 200
+    for widening in (1, 2, 4, 8):
+        draw = partial(
+            guided_triplets,
+            geodesics1=source.normalized_distances,
+            geodesics2=target.normalized_distances,
+            allowed=np.abs(central1[:, None] - central2) <= widening * CENTRALITY_TOLERANCE * central1[:, None],
+            least_spread=LEAST_SPREAD / widening,
+            tolerance=widening * LENGTH_TOLERANCE,
+        )
+        if len(draw(0, trial)[0]) >= trial // 2:
+            break
+    if widening == 1:
+        return draw, ()
+    return draw, (
+        f"{source.mesh.name} and {target.mesh.name}: their geodesic distances differ much; "
+        f"triplets were drawn with tolerances {widening} times as wide",
+    )
+
+
+def signature_similarity(signatures1: np.ndarray, signatures2: np.ndarray) -> np.ndarray:
+    """How alike the wave kernel signatures (N1, e) and (N2, e) of two sets of samples are: (N1, N2) in [0, 1].
+
+    A Gaussian of the relative L1 distance. Its width is twice the median distance of a sample to the most similar
+    one, so that descriptors speak softly between shapes that differ.
+    """
+    differences = np.empty((len(signatures1), len(signatures2)))
+    for row, signature in zip(differences, signatures1, strict=True):
+        row[:] = (np.abs(signature - signatures2) / (signature + signatures2)).mean(axis=1)
+    best = np.concatenate([differences.min(axis=0), differences.min(axis=1)])
+    width = max(2 * float(np.median(best)), 1e-9)
+    return np.exp(-((differences / width) ** 2))
