@@ -1,0 +1,37 @@
+"""The command line ``mobius``: reads arguments, calls the public functions, shows what they return.
+
+Nothing heavy is imported before a command runs, so that ``mobius --help`` answers at once.
+"""
+
+from __future__ import annotations
+
+import os
+import signal
+import sys
+from types import FrameType
+
+
+class Terminated(KeyboardInterrupt):
+    """The process was asked to end (SIGTERM); handled like Ctrl-C, so that nothing half-written stays."""
+
+
+def _terminate(_signal: int, _frame: FrameType | None) -> None:
+    raise Terminated
+
+
+def main() -> None:
+    """Run the command line on the arguments of the process, and exit."""
+    signal.signal(signal.SIGTERM, _terminate)
+    try:
+        # A file name that is not text must not stop the program from showing it.
+        for stream in (sys.stdout, sys.stderr):
+            stream.reconfigure(errors="backslashreplace")  # type: ignore[union-attr]
+        from .main import app
+
+        app(prog_name="mobius")
+    except KeyboardInterrupt:  # before a command has begun; later it is dealt with in common.py
+        os.write(2, b"interrupted\n")
+        sys.exit(130)
+
+
+__all__ = ["main"]

@@ -1,0 +1,141 @@
+"""What all commands share: how they end, and what they say on the way."""
+
+from __future__ import annotations
+
+import functools
+import os
+import signal
+import sys
+from collections.abc import Callable, Iterable
+from types import TracebackType
+from typing import TYPE_CHECKING, Any
+
+from ..errors import MeshError, MobiusError, NothingFoundError, SettingsError
+from . import Terminated
+
+if TYPE_CHECKING:
+    from rich.progress import Progress
+
+FAILED, USAGE, UNUSABLE, NOTHING_FOUND, SOME_FAILED, INTERRUPTED = 1, 2, 3, 4, 5, 130
+BROKEN_PIPE, TERMINATED = 128 + 13, 128 + 15  # as shells report them
+
+
+def say(text: str) -> None:
+    """One message on standard error."""
+    sys.stderr.write(text + "\n")
+
+
+def exit_code(error: MobiusError) -> int:
+    """The exit code that an error of the package stands for."""
+    codes = {SettingsError: USAGE, MeshError: UNUSABLE, NothingFoundError: NOTHING_FOUND}
+    return next((code for kind, code in codes.items() if isinstance(error, kind)), FAILED)
+
+
+def guarded(command: Callable[..., None]) -> Callable[..., None]:
+    """A command that ends with one line on standard error and an exit code, whatever is raised in it.
+
+    The command has a parameter ``verbose``; if that is set the traceback is shown too.
+    """
+
+    @functools.wraps(command)
+    def run(**arguments: Any) -> None:
+        with _Guard(arguments["verbose"]):
+            command(**arguments)
+            sys.stdout.flush()
+
+    return run
+
+
+class _Guard:
+    def __init__(self, verbose: bool) -> None:
+        self.verbose = verbose
+
+    def __enter__(self) -> None:
+        pass
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        import typer
+
+        if error is None or isinstance(error, SystemExit | typer.Exit | typer.BadParameter):
+            return
+        code, text = _ending(error)
+        if isinstance(error, KeyboardInterrupt):
+            signal.signal(signal.SIGINT, signal.SIG_IGN)  # a second Ctrl-C would interrupt the ending
+        if isinstance(error, BrokenPipeError):
+            # Nobody reads standard output any more; the interpreter's own flush at exit must not complain.
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        elif self.verbose:
+            import traceback
+
+            traceback.print_exception(error)
+        if text:
+            say(text)
+        raise SystemExit(code) from None
+
+
+def _ending(error: BaseException) -> tuple[int, str]:
+    """Exit code and last line."""
+    if isinstance(error, MobiusError):
+        return exit_code(error), f"error: {error}"
+    if isinstance(error, Terminated):
+        return TERMINATED, "terminated"
+    if isinstance(error, KeyboardInterrupt):
+        return INTERRUPTED, "interrupted"
+    if isinstance(error, BrokenPipeError):
+        return BROKEN_PIPE, ""
+    if isinstance(error, OSError):
+        return FAILED, f"error: {error}"
+    what = " ".join(str(error).split()) or "no message"
+    hint = "repeat with --verbose for the place, and report it please"
+    return FAILED, f"internal error: {type(error).__name__}: {what} ({hint})"
+
+
+class Reporter:
+    """Notes and progress on standard error; nothing at all if quiet.
+
+    A progress bar is drawn on a terminal only. Use as a context manager around the work; `progress` is what
+    the library's functions take as their ``progress``.
+    """
+
+    def __init__(self, quiet: bool) -> None:
+        self.quiet = quiet
+        self.bar: Progress | None = None
+        self.stage = ""
+
+    def __enter__(self) -> Reporter:
+        if not self.quiet and sys.stderr.isatty():
+            from rich.console import Console
+            from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+
+            columns = (TextColumn("{task.description}", markup=False), BarColumn(), TimeElapsedColumn())
+            self.bar = Progress(*columns, console=Console(stderr=True), transient=True)
+            self.bar.start()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        if self.bar is not None:
+            self.bar.stop()
+            self.bar = None
+
+    def notes(self, lines: Iterable[str]) -> None:
+        """Lines for the user, unless quiet."""
+        for line in () if self.quiet else lines:
+            if self.bar is None:
+                say(line)
+            else:
+                self.bar.console.print(line, markup=False, highlight=False, emoji=False, soft_wrap=True)
+
+    def progress(self, stage: str, done: int, total: int) -> None:
+        """Show how far a stage of the work is."""
+        if stage == "compiling":
+            if self.stage != stage:
+                self.notes(["compiling kernels (first run only)..."])
+        elif self.bar is not None:
+            if self.stage != stage:
+                for task in self.bar.task_ids:
+                    self.bar.remove_task(task)
+                self.bar.add_task(stage)
+            self.bar.update(self.bar.task_ids[-1], completed=done, total=total)
+        self.stage = stage

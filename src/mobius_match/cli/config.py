@@ -1,0 +1,45 @@
+"""Settings of a match from a TOML file."""
+
+from __future__ import annotations
+
+import tomllib
+from dataclasses import fields
+from pathlib import Path
+from typing import Any
+
+from ..errors import SettingsError
+from ..settings import PRESETS, MatchSettings, make_settings
+
+
+def read_config(path: Path) -> dict[str, Any]:
+    """Settings in a TOML file, checked; ``min-fraction`` and ``min_fraction`` are the same.
+
+    Raises
+    ------
+    SettingsError
+        The file cannot be read, is not TOML, or has an unknown key or a value out of range.
+    """
+    try:
+        given = tomllib.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise SettingsError(f"--config: {path} cannot be read ({error.strerror}).") from error
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise SettingsError(f"--config: {path} is not valid TOML: {error}.") from error
+    config = {key.replace("-", "_"): value for key, value in given.items()}
+    known = ["preset", *(field.name for field in fields(MatchSettings))]
+    unknown = [key for key in given if key.replace("-", "_") not in known]
+    if unknown:
+        raise SettingsError(
+            f"--config: {path} has the unknown key {unknown[0]!r}; known keys are {', '.join(sorted(known))}."
+        )
+    try:
+        make_settings(**config)
+    except SettingsError as error:
+        raise SettingsError(f"--config: {path}: {error}") from error
+    return config
+
+
+def merge(config: dict[str, Any], options: dict[str, Any]) -> dict[str, Any]:
+    """Settings of both, the command line's over the file's; its ``--preset`` also is."""
+    from_preset = PRESETS.get(options.get("preset", ""), {})
+    return {key: value for key, value in config.items() if key not in from_preset} | options

@@ -1,0 +1,86 @@
+"""``mobius info MESH...``."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from ..errors import MobiusError
+from .common import SOME_FAILED, UNUSABLE, say
+from .match import Verbose
+from .output import STDOUT, print_table, to_json, write
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+LONGEST_LIST = 6
+
+
+def info(
+    meshes: Annotated[list[Path], typer.Argument(metavar="MESH...", help="Mesh files.")],
+    json: Annotated[bool, typer.Option("--json", help="Print a JSON list, one entry a file.")] = False,
+    verbose: Verbose = False,
+) -> None:
+    """Show what a mesh is, and what would be done about its flaws.
+
+    Shown are topology, size and quality of each file, what matching would repair, and whether it can be
+    matched. Ends with 3 if none can, with 5 if some of several cannot.
+    """
+    from ..mesh import describe, read_mesh
+
+    entries: list[dict[str, Any]] = []
+    for path in meshes:
+        try:
+            entry = describe(read_mesh(path))
+            if not json:
+                print_table(_table(entry))
+        except MobiusError as error:
+            entry = {"name": path.name, "path": str(path), "usable": False, "reason": str(error)}
+        if not entry["usable"]:
+            say(f"error: {entry['reason']}")
+        entries.append(entry)
+    if json:
+        write(STDOUT, to_json(entries))
+    failed = sum(not entry["usable"] for entry in entries)
+    if failed:
+        raise typer.Exit(UNUSABLE if failed == len(meshes) else SOME_FAILED)
+
+
+def _table(entry: dict[str, Any]) -> Table:
+    from rich.table import Table
+
+    table = Table(title=entry["name"], title_justify="left", show_header=False)
+    table.add_column()
+    table.add_column(overflow="fold")
+    for label, value in _rows(entry):
+        if label not in ("name", "notes", "reason"):
+            table.add_row(label, _shown(value))
+    table.add_row("what matching does", "\n".join(entry["notes"]) or "nothing: the mesh is used as it is")
+    if entry["reason"]:
+        table.add_row("why not usable", entry["reason"])
+    return table
+
+
+def _rows(entry: dict[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
+    for key, value in entry.items():
+        label = f"{prefix}{key.replace('_', ' ')}"
+        if isinstance(value, dict):
+            yield from _rows(value, f"{label}: ")
+        else:
+            yield label, value
+
+
+def _shown(value: Any) -> str:
+    if value is None:
+        return "-"
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    if isinstance(value, float):
+        return f"{value:.4g}"
+    if isinstance(value, list):
+        rest = ["..."] if len(value) > LONGEST_LIST else []
+        return ", ".join([*map(_shown, value[:LONGEST_LIST]), *rest]) or "-"
+    return str(value)

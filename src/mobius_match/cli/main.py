@@ -1,0 +1,45 @@
+"""The commands and their names."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+from .. import __version__
+from .common import guarded
+from .demo import demo
+from .info import info
+from .match import match
+
+app = typer.Typer(
+    name="mobius",
+    no_args_is_help=True,
+    add_completion=False,
+    rich_markup_mode=None,  # plain help: rich's takes longer to load than all the rest
+    pretty_exceptions_enable=False,
+    context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 110},
+)
+
+
+def _version(wanted: bool) -> None:
+    if wanted:
+        typer.echo(f"mobius-match {__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def mobius(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_version, is_eager=True, help="Show the version and exit.")
+    ] = False,
+) -> None:
+    """Correspondences between two surfaces by Möbius voting.
+
+    Exit codes: 0 done, 2 wrong usage, 3 unusable input, 4 nothing found, 5 some of several jobs failed,
+    130 interrupted.
+    """
+
+
+for command in (match, info, demo):
+    app.command()(guarded(command))

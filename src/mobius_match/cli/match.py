@@ -1,0 +1,201 @@
+"""``mobius match SOURCE TARGET``."""
+
+from __future__ import annotations
+
+import io
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+from typer import Argument, Option
+
+from .common import Reporter, say
+from .config import merge, read_config
+from .output import STDOUT, check_output, print_table, to_json, write
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+    from ..correspondence import Correspondence
+    from ..mesh import Mesh
+
+Quiet = Annotated[bool, Option("--quiet", "-q", help="Show results and errors only.")]
+Verbose = Annotated[bool, Option("--verbose", "-v", help="Show timings, and the traceback of an error.")]
+
+
+def match(
+    source: Annotated[
+        Path, Argument(metavar="SOURCE", help="Mesh to match from (OFF, OBJ, PLY, STL, GLB, glTF or VTK).")
+    ],
+    target: Annotated[Path, Argument(metavar="TARGET", help="Mesh to match to.")],
+    output: Annotated[
+        Path | None,
+        Option("--output", "-o", metavar="FILE", help="Write the result as JSON; '-' is standard output."),
+    ] = None,
+    picture: Annotated[
+        Path | None, Option(metavar="FILE.png", help="Draw the matches on both surfaces.")
+    ] = None,
+    json: Annotated[bool, Option("--json", help="Print the result as JSON instead of a table.")] = False,
+    samples: Annotated[
+        int | None, Option(metavar="N", help="Sample points on each surface.  [default: 100]")
+    ] = None,
+    votes: Annotated[
+        int | None, Option(metavar="N", help="Triplets to evaluate.  [default: the program's choice]")
+    ] = None,
+    proposal: Annotated[
+        str | None,
+        Option(
+            metavar="guided|uniform",
+            help="How triplets are drawn; 'uniform' is the paper's.  [default: guided]",
+        ),
+    ] = None,
+    preset: Annotated[
+        str | None,
+        Option(
+            metavar="paper", help="The paper's published settings, all at once; options given besides it win."
+        ),
+    ] = None,
+    distance: Annotated[
+        str | None,
+        Option(metavar="euclidean|spherical", help="Distance between mapped points.  [default: euclidean]"),
+    ] = None,
+    min_fraction: Annotated[
+        float | None,
+        Option(
+            metavar="F",
+            help="The paper's K as a fraction of the samples: a triplet with fewer mutually nearest pairs "
+            "does not vote.  [default: 0.4 for uniform proposals, 0 for guided]",
+        ),
+    ] = None,
+    geodesics: Annotated[
+        str | None,
+        Option(metavar="heat|dijkstra", help="How geodesic distances are computed.  [default: heat]"),
+    ] = None,
+    triangulation: Annotated[
+        str | None,
+        Option(
+            metavar="delaunay|mesh",
+            help="Flatten the intrinsic Delaunay triangulation or the mesh's own.  [default: delaunay]",
+        ),
+    ] = None,
+    assignment: Annotated[
+        str | None,
+        Option(metavar="greedy|linear", help="How matches are read off the votes.  [default: greedy]"),
+    ] = None,
+    threshold: Annotated[
+        float | None,
+        Option(
+            metavar="S",
+            help="Confidence (0 to 1) from which a match needs no support by others.  [default: 0.1]",
+        ),
+    ] = None,
+    seed: Annotated[
+        int | None, Option(metavar="N", help="Same seed, same result, whatever --jobs.  [default: 0]")
+    ] = None,
+    jobs: Annotated[int | None, Option(metavar="N", help="Threads.  [default: every processor]")] = None,
+    config: Annotated[
+        Path | None,
+        Option(metavar="FILE", help="TOML file with settings by the names above; options here win over it."),
+    ] = None,
+    quiet: Quiet = False,
+    verbose: Verbose = False,
+) -> None:
+    """Find corresponding vertices of two meshes.
+
+    The matches are printed as a table (with --json or '-o -' as JSON), highest confidence first. Vertices
+    are numbered from 0, as in the files.
+    """
+    options = {
+        "samples": samples,
+        "votes": votes,
+        "proposal": proposal,
+        "preset": preset,
+        "distance": distance,
+        "min_fraction": min_fraction,
+        "geodesics": geodesics,
+        "triangulation": triangulation,
+        "assignment": assignment,
+        "threshold": threshold,
+        "seed": seed,
+        "jobs": jobs,
+    }
+    given = {name: value for name, value in options.items() if value is not None}
+    settings = merge(read_config(config) if config else {}, given)
+    _check(settings, output, picture, (source, target))
+
+    with Reporter(quiet) as reporter:
+        result = run_match(source, target, reporter, settings)
+        if picture is not None:
+            write(picture, draw(result))
+            reporter.notes([f"picture written to {picture}"])
+        if output is not None and output != STDOUT:
+            write(output, to_json(result.to_dict()))
+            reporter.notes([f"{len(result)} correspondences written to {output}"])
+    if verbose:
+        for name, seconds in result.timings.items():
+            say(f"{name}: {seconds:.3f} s")
+    if json or output == STDOUT:
+        write(STDOUT, to_json(result.to_dict()))
+    elif output is None:
+        print_table(_table(result))
+
+
+def run_match(source: Path, target: Path, reporter: Reporter, settings: dict[str, Any]) -> Correspondence:
+    """Match two files with progress, and with what was noted on the way shown."""
+    from ..matching import match as match_surfaces
+
+    meshes = [_readable(path) for path in (source, target)]  # both, before the work on the first begins
+    result = match_surfaces(*meshes, progress=reporter.progress, **settings)
+    reporter.notes(result.warnings)
+    return result
+
+
+def draw(result: Correspondence) -> bytes:
+    """The picture of the matches, as the bytes of a PNG file."""
+    from ..figures import draw_matches
+
+    picture = io.BytesIO()
+    draw_matches(result, picture)
+    return picture.getvalue()
+
+
+def _readable(path: Path) -> Mesh:
+    from ..mesh import read_mesh, repair, require_matchable
+
+    mesh = read_mesh(path)
+    require_matchable(repair(mesh))
+    return mesh
+
+
+def _check(
+    settings: dict[str, Any], output: Path | None, picture: Path | None, inputs: tuple[Path, Path]
+) -> None:
+    from ..errors import SettingsError
+    from ..settings import make_settings
+
+    make_settings(**settings)
+    if output is not None:
+        check_output("--output", output, inputs)
+    if picture is not None:
+        if picture.suffix.lower() != ".png":
+            raise SettingsError(f"--picture: {picture} is not a .png file; name it so.")
+        check_output("--picture", picture, inputs)
+        if output is not None and output.resolve() == picture.resolve():
+            raise SettingsError(f"--picture: {picture} is the --output too; name another file.")
+
+
+def _table(result: Correspondence) -> Table:
+    from rich.table import Table
+
+    table = Table(title=f"{len(result)} correspondences", title_justify="left")
+    names = (Path(info["path"]).name for info in (result.source_info, result.target_info))
+    for heading in (
+        "",
+        *(f"{role} vertex\n{name}" for role, name in zip(("source", "target"), names, strict=True)),
+    ):
+        table.add_column(heading, justify="right")
+    table.add_column("confidence", justify="right")
+    table.add_column("kind")
+    rows = zip(result.pairs.tolist(), result.confidence.tolist(), result.kind.tolist(), strict=True)
+    for number, ((i, j), confidence, kind) in enumerate(rows, start=1):
+        table.add_row(str(number), str(i), str(j), f"{confidence:.3f}", kind)
+    return table

@@ -1,0 +1,69 @@
+"""Where results go: standard output, or files that appear whole or not at all."""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from ..errors import SettingsError
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+STDOUT = Path("-")
+PLAIN_WIDTH = 120  # characters, where standard output is no terminal
+
+
+def check_output(option: str, path: Path, inputs: Sequence[Path] = ()) -> None:
+    """Refuse, before any long work, a path that could not be written in the end.
+
+    Raises
+    ------
+    SettingsError
+        A directory, a missing or read-only folder, a read-only file, or one of the inputs.
+    """
+    if path == STDOUT:
+        return
+    folder = path.resolve().parent
+    if path.is_dir():
+        raise SettingsError(f"{option}: {path} is a directory; name a file in it.")
+    if not folder.is_dir():
+        raise SettingsError(f"{option}: the folder {folder} does not exist; make it first.")
+    if not os.access(path if path.exists() else folder, os.W_OK):
+        raise SettingsError(
+            f"{option}: {path} cannot be written; check the permissions or name another place."
+        )
+    for given in inputs:
+        if path.exists() and given.exists() and path.samefile(given):
+            raise SettingsError(
+                f"{option}: {path} is one of the inputs and would be overwritten; name another file."
+            )
+
+
+def write(path: Path, content: bytes) -> None:
+    """Write a file as a whole or not at all; `-` is standard output."""
+    from ..correspondence import write_atomically
+
+    if path == STDOUT:
+        sys.stdout.buffer.write(content)
+    elif path.exists() and not path.is_file():  # a device or a pipe cannot be replaced
+        path.write_bytes(content)
+    else:
+        write_atomically(path.resolve(), content)  # through links
+
+
+def to_json(data: Any) -> bytes:
+    """A result as JSON, for files and standard output."""
+    return (json.dumps(data, indent=1, allow_nan=False) + "\n").encode()
+
+
+def print_table(table: Table) -> None:
+    """Show a table on standard output, without colours where that is no terminal."""
+    from rich.console import Console
+
+    width = None if sys.stdout.isatty() else PLAIN_WIDTH
+    Console(width=width, markup=False, highlight=False, emoji=False).print(table)
