@@ -7,8 +7,14 @@ import numpy as np
 from .mesh import Floats, Ints
 
 
+def box_scale(vertices: Floats) -> float:
+    """Half of the largest extent, which `unit_box` divides by; 1 where all vertices coincide."""
+    scale = float((vertices.max(axis=0) / 2 - vertices.min(axis=0) / 2).max()) if len(vertices) else 0.0
+    return scale or 1.0
+
+
 def areas(vertices: Floats, faces: Ints) -> Floats:
-    """Area of each face (m,), in squared units of the mesh's largest extent (no overflow, no underflow)."""
+    """Area of each face (m,), in the units of `unit_box`."""
     return 0.5 * np.linalg.norm(cross_products(unit_box(vertices), faces), axis=1)
 
 
@@ -16,10 +22,8 @@ def unit_box(vertices: Floats) -> Floats:
     """The vertices, moved and scaled into the box from -1 to 1."""
     if not len(vertices):
         return vertices
-    low, high = vertices.min(axis=0), vertices.max(axis=0)
-    scale = float((high / 2 - low / 2).max())
-    centred = vertices - (low / 2 + high / 2)
-    return centred / scale if scale > 0 else centred
+    centre = vertices.min(axis=0) / 2 + vertices.max(axis=0) / 2
+    return (vertices - centre) / box_scale(vertices)
 
 
 def cross_products(vertices: Floats, faces: Ints) -> Floats:

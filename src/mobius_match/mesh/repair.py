@@ -9,7 +9,7 @@ import numpy as np
 from .measure import areas, cross_products, twins, unit_box
 from .mesh import Floats, Ints, Mesh
 from .slivers import collapse_needles, turn_caps
-from .topology import EdgeTable, components, edge_table, fans, sides
+from .topology import EdgeTable, components, edge_table, fans, sides, used_vertices
 
 LOOSE_AREA = 0.01  # loose pieces below this fraction of the area, taken together, are left out
 
@@ -36,7 +36,7 @@ def repair(mesh: Mesh) -> Mesh:
         notes.append(f"{_faces(double.sum())} naming one vertex twice dropped.")
         faces, kept = faces[~double], kept[~double]
 
-    again = _repeated(np.sort(faces, axis=1))
+    again = repeated(np.sort(faces, axis=1))
     if again.any():
         notes.append(f"{_faces(again.sum())} repeating another face dropped.")
         faces, kept = faces[~again], kept[~again]
@@ -78,8 +78,8 @@ def repair(mesh: Mesh) -> Mesh:
     if left:
         notes.append(f"{_faces(left)} without area left: removing any would change the topology.")
 
-    used = np.unique(faces)
-    unused = len(mesh.vertices) - len(np.unique(mesh.faces))
+    used = used_vertices(faces)
+    unused = len(mesh.vertices) - len(used_vertices(mesh.faces))
     if unused:
         notes.append(f"{unused} vertices that no face uses left out.")
     return replace(
@@ -96,8 +96,8 @@ def _faces(number: int) -> str:
     return f"{number} face" if number == 1 else f"{number} faces"
 
 
-def _repeated(rows: Ints) -> np.ndarray:
-    """Which rows equal an earlier one."""
+def repeated(rows: Ints) -> np.ndarray:
+    """Which rows equal an earlier one (m,)."""
     again = np.ones(len(rows), dtype=bool)
     if len(rows):
         order = np.lexsort(rows.T[::-1])
@@ -112,7 +112,7 @@ def _repeated_pieces(faces: Ints, twin: Ints) -> np.ndarray:
     Single faces that coincide are left alone: there a surface touches itself, and a hole would be the result.
     """
     rows = np.sort(twin[faces], axis=1)
-    again = _repeated(rows)
+    again = repeated(rows)
     if not again.any():
         return again
     number, label = components(faces)
@@ -130,7 +130,8 @@ def _join_and_cut(faces: Ints, twin: Ints) -> tuple[Ints, Ints, list[str]]:
     notes.
     """
     table = edge_table(faces)
-    number, label = fans(faces, table)
+    separate, label = fans(faces, table)
+    number = separate
     if (twin[faces] != faces).any():
         fewer, sewn = fans(faces, table, _seams(faces, twin, table))
         if _no_worse(sewn, label):
@@ -142,8 +143,8 @@ def _join_and_cut(faces: Ints, twin: Ints) -> tuple[Ints, Ints, list[str]]:
     order = np.argsort(origin, kind="stable")
     rank = np.empty(number, dtype=np.int64)
     rank[order] = np.arange(number)
-    links = len(np.unique(old * number + new)) if number else 0
-    joined, cut = links - number, links - len(np.unique(old))
+    links = number if number == separate else len(np.unique(old * number + new))
+    joined, cut = links - number, links - len(used_vertices(faces))
     notes = []
     if joined:
         notes.append(f"{joined} vertices joined to a twin with the same coordinates (seams sewn up).")
@@ -199,7 +200,7 @@ def _orient(vertices: Floats, faces: Ints) -> tuple[Ints, list[str]]:
     table = edge_table(faces)
     piece, turned, twisted = sides(faces, table)
     turned = turned & ~twisted
-    number, piece = len(np.unique(piece)), np.unique(piece, return_inverse=True)[1]
+    number = 2 * len(faces)  # labels are below this; most of them are not in use
     size = np.bincount(piece, minlength=number)
     open_ = (
         np.bincount(piece, weights=(table.counts[table.face_edges] != 2).any(axis=1), minlength=number) > 0
@@ -211,11 +212,11 @@ def _orient(vertices: Floats, faces: Ints) -> tuple[Ints, list[str]]:
     against = np.bincount(piece, weights=turned, minlength=number)
     reverse = np.where(open_ | (volume == 0), 2 * against > size, volume < 0)
     turned ^= reverse[piece] & ~twisted
-    whole = np.bincount(piece, weights=turned, minlength=number) == size
+    whole = (np.bincount(piece, weights=turned, minlength=number) == size) & (size > 0)
     notes = []
     single = int((turned & ~whole[piece]).sum())
     if single:
         notes.append(f"{_faces(single)} turned round to agree with the faces next to them.")
-    if (whole & (size > 0)).any():
+    if whole.any():
         notes.append(f"closed surface turned outwards ({_faces(size[whole].sum())}).")
     return np.where(turned[:, None], faces[:, [0, 2, 1]], faces), notes

@@ -2,15 +2,28 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
 
 from ..errors import MeshError, TopologyError
-from .measure import areas
+from .measure import areas, box_scale, cross_products, twins, unit_box
 from .mesh import Mesh
-from .repair import repair
-from .topology import components, count_boundary_loops, edge_table, euler_characteristic, fans, sides
+from .repair import repair, repeated
+from .slivers import is_flat
+from .topology import (
+    boundary_lengths,
+    components,
+    edge_table,
+    euler_characteristic,
+    fans,
+    genus,
+    nonmanifold_edges,
+    nonmanifold_vertices,
+    sides,
+    used_vertices,
+)
 
 MIN_FACES, MIN_VERTICES = 20, 12
 
@@ -56,9 +69,9 @@ def require_matchable(mesh: Mesh) -> None:
             f"{name}: {number} separate pieces (with {listed} faces); one is needed. "
             "Split the file into its pieces, or keep the largest alone."
         )
-    if fans(faces, table)[0] != len(np.unique(faces)):
+    if fans(faces, table)[0] != len(used_vertices(faces)):
         raise TopologyError(f"{name}: parts of the surface touch at single vertices. Repair the mesh first.")
-    handles = (2 - count_boundary_loops(table) - euler_characteristic(faces, table)) // 2
+    handles = (2 - len(boundary_lengths(table)) - euler_characteristic(faces, table)) // 2
     if handles:
         raise TopologyError(
             f"{name}: the surface has {handles} handle(s) (genus {handles}), but only spheres, with or "
@@ -72,6 +85,114 @@ def require_matchable(mesh: Mesh) -> None:
 
 
 def describe(mesh: Mesh) -> dict[str, Any]:
-    """Everything that ``mobius info`` shows, ready for JSON."""
+    """Everything that ``mobius info`` shows, ready for JSON.
+
+    Counts of faults (unused and double vertices, degenerate faces, ...), components, sizes and orientation
+    describe the mesh as given; Euler characteristic, genus, boundary and quality describe it after repair.
+
+    Returns
+    -------
+    dict
+        ``notes`` says what is done on reading and repair; ``usable`` whether the mesh can be matched,
+        ``reason`` why not (None if it can). Lengths and areas are in the user's units; None is undefined.
+    """
     repaired = repair(mesh)
-    return {"name": mesh.name, "notes": list(repaired.notes)}
+    reason = None
+    try:
+        require_matchable(repaired)
+    except MeshError as error:
+        reason = str(error)
+    return {
+        "name": mesh.name,
+        "path": None if mesh.path is None else str(mesh.path),
+        "sha256": mesh.sha256,
+        "vertices": len(mesh.vertices),
+        "faces": len(mesh.faces),
+        "file_faces": mesh.n_file_faces,
+        **_faults(mesh),
+        **_shape(repaired),
+        **_sizes(mesh),
+        "quality": _quality(repaired),
+        "notes": list(repaired.notes),
+        "usable": reason is None,
+        "reason": reason,
+    }
+
+
+def _faults(mesh: Mesh) -> dict[str, Any]:
+    double = (mesh.faces == mesh.faces[:, [1, 2, 0]]).any(axis=1)
+    faces = mesh.faces[~double]
+    table = edge_table(faces)
+    flat = is_flat(unit_box(mesh.vertices), faces)
+    _, turned, twisted = sides(faces, table)
+    return {
+        "unused_vertices": len(mesh.vertices) - len(used_vertices(mesh.faces)),
+        "duplicate_vertices": int((twins(mesh.vertices) != np.arange(len(mesh.vertices))).sum()),
+        "degenerate_faces": int(double.sum() + flat.sum()),
+        "duplicate_faces": int(repeated(np.sort(faces, axis=1)).sum()),
+        "components": components(faces, table)[0],
+        "nonmanifold_edges": len(nonmanifold_edges(table)),
+        "nonmanifold_vertices": len(nonmanifold_vertices(faces, table)),
+        "consistently_oriented": not (turned.any() or twisted.any()),
+    }
+
+
+def _shape(mesh: Mesh) -> dict[str, Any]:
+    faces = mesh.faces
+    table = edge_table(faces)
+    loops = boundary_lengths(table)
+    return {
+        "euler_characteristic": euler_characteristic(faces, table),
+        "genus": genus(faces, table),
+        "boundary_loops": {"count": len(loops), "lengths": loops.tolist()},
+        "closed": bool(len(faces)) and not len(loops),
+        "orientable": not sides(faces, table)[2].any(),
+    }
+
+
+def _sizes(mesh: Mesh) -> dict[str, Any]:
+    used = mesh.vertices[used_vertices(mesh.faces)]
+    scale = box_scale(used)
+    unit = unit_box(mesh.vertices) * (box_scale(mesh.vertices) / scale)
+    edges = edge_table(mesh.faces[(mesh.faces != mesh.faces[:, [1, 2, 0]]).all(axis=1)]).edges
+    length = np.linalg.norm(unit[edges[:, 0]] - unit[edges[:, 1]], axis=1)
+    box = None if not len(used) else {"min": used.min(axis=0).tolist(), "max": used.max(axis=0).tolist()}
+    return {
+        "area": _finite(float(areas(unit, mesh.faces).sum()) * box_scale(unit) ** 2, scale, 2),
+        "bounding_box": box,
+        "edge_length": {
+            "min": _finite(float(length.min(initial=np.inf)), scale),
+            "mean": _finite(float(length.mean()) if len(length) else np.inf, scale),
+            "max": _finite(float(length.max(initial=0)) if len(length) else np.inf, scale),
+        },
+    }
+
+
+def _finite(value: float, scale: float, power: int = 1) -> float | None:
+    """A length or area back in the user's units; None where there is none or it is too large for a float."""
+    for _ in range(power):
+        value *= scale
+    return value if math.isfinite(value) else None
+
+
+def _quality(mesh: Mesh) -> dict[str, Any] | None:
+    """Smallest angle of the triangles and the share of edges with a negative cotangent weight."""
+    unit, faces = unit_box(mesh.vertices), mesh.faces
+    if not len(faces):
+        return None
+    table = edge_table(faces)
+    height = np.linalg.norm(cross_products(unit, faces), axis=1)
+    cosine = np.empty(faces.shape)
+    for k in range(3):
+        corner = unit[faces[:, k]]
+        cosine[:, k] = ((unit[faces[:, k - 2]] - corner) * (unit[faces[:, k - 1]] - corner)).sum(axis=1)
+    angles = np.degrees(np.arctan2(height[:, None], cosine).min(axis=1))
+    proper = height > 0
+    weight = np.zeros(len(table.edges))
+    np.add.at(weight, table.face_edges[proper].ravel(), (cosine[proper] / height[proper, None]).ravel())
+    percentiles = (0, 1, 5, 50, 95)
+    values = np.percentile(angles, percentiles)
+    return {
+        "smallest_angle_degrees": {f"p{p}": float(v) for p, v in zip(percentiles, values, strict=True)},
+        "negative_cotangent_fraction": float((weight < 0).mean()),
+    }
