@@ -5,7 +5,6 @@ Nothing heavy is imported before a command runs, so that ``mobius --help`` answe
 
 from __future__ import annotations
 
-import os
 import signal
 import sys
 from types import FrameType
@@ -19,6 +18,11 @@ def _terminate(_signal: int, _frame: FrameType | None) -> None:
     raise Terminated
 
 
+def stopped(error: KeyboardInterrupt) -> tuple[int, str]:
+    """Exit code, as shells report it, and last line after an interruption."""
+    return (128 + 15, "terminated") if isinstance(error, Terminated) else (130, "interrupted")
+
+
 def main() -> None:
     """Run the command line on the arguments of the process, and exit."""
     signal.signal(signal.SIGTERM, _terminate)
@@ -26,12 +30,13 @@ def main() -> None:
         # A file name that is not text must not stop the program from showing it.
         for stream in (sys.stdout, sys.stderr):
             stream.reconfigure(errors="backslashreplace")  # type: ignore[union-attr]
-        from .main import app
+        from .app import app
 
         app(prog_name="mobius")
-    except KeyboardInterrupt:  # before a command has begun; later it is dealt with in common.py
-        os.write(2, b"interrupted\n")
-        sys.exit(130)
+    except KeyboardInterrupt as error:  # before a command has begun; later common.py deals with it
+        code, text = stopped(error)
+        sys.stderr.write(f"{text}\n")
+        sys.exit(code)
 
 
 __all__ = ["main"]

@@ -11,13 +11,13 @@ from types import TracebackType
 from typing import TYPE_CHECKING, Any
 
 from ..errors import MeshError, MobiusError, NothingFoundError, SettingsError
-from . import Terminated
+from . import stopped
 
 if TYPE_CHECKING:
     from rich.progress import Progress
 
-FAILED, USAGE, UNUSABLE, NOTHING_FOUND, SOME_FAILED, INTERRUPTED = 1, 2, 3, 4, 5, 130
-BROKEN_PIPE, TERMINATED = 128 + 13, 128 + 15  # as shells report them
+FAILED, USAGE, UNUSABLE, NOTHING_FOUND, SOME_FAILED = 1, 2, 3, 4, 5
+BROKEN_PIPE = 128 + 13  # as shells report it
 
 
 def say(text: str) -> None:
@@ -66,7 +66,7 @@ class _Guard:
         if isinstance(error, BrokenPipeError):
             # Nobody reads standard output any more; the interpreter's own flush at exit must not complain.
             os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        elif self.verbose:
+        elif self.verbose and isinstance(error, Exception):
             import traceback
 
             traceback.print_exception(error)
@@ -79,10 +79,8 @@ def _ending(error: BaseException) -> tuple[int, str]:
     """Exit code and last line."""
     if isinstance(error, MobiusError):
         return exit_code(error), f"error: {error}"
-    if isinstance(error, Terminated):
-        return TERMINATED, "terminated"
     if isinstance(error, KeyboardInterrupt):
-        return INTERRUPTED, "interrupted"
+        return stopped(error)
     if isinstance(error, BrokenPipeError):
         return BROKEN_PIPE, ""
     if isinstance(error, OSError):

@@ -79,7 +79,7 @@ def _shown(value: Any) -> str:
     if isinstance(value, bool):
         return "yes" if value else "no"
     if isinstance(value, float):
-        return f"{value:.4g}"
+        return f"{value:.5g}"
     if isinstance(value, list):
         rest = ["..."] if len(value) > LONGEST_LIST else []
         return ", ".join([*map(_shown, value[:LONGEST_LIST]), *rest]) or "-"

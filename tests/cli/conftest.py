@@ -1,0 +1,110 @@
+"""The command line in this process and in one of its own, and small meshes to give it."""
+
+import os
+import signal
+import subprocess
+import sys
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+import trimesh
+
+from mobius_match.cli import main
+
+
+class Ended(NamedTuple):
+    code: int
+    out: str
+    err: str
+
+
+@pytest.fixture
+def mobius(monkeypatch, capsys):
+    """Run the command line in this process."""
+
+    def run(*arguments):
+        monkeypatch.setattr(sys, "argv", ["mobius", *map(str, arguments)])
+        with pytest.raises(SystemExit) as ending:
+            main()
+        return Ended(ending.value.code or 0, *capsys.readouterr())
+
+    handler = signal.getsignal(signal.SIGTERM)
+    yield run
+    signal.signal(signal.SIGTERM, handler)
+
+
+@pytest.fixture
+def start_mobius():
+    """Start the command line as a process; what is still running at the end of the test is killed."""
+    started = []
+
+    def start(*arguments, **options):
+        command = [sys.executable, "-c", "from mobius_match.cli import main; main()", *map(str, arguments)]
+        pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True, "env": dict(os.environ)}
+        started.append(subprocess.Popen(command, **(pipes | options)))
+        return started[-1]
+
+    yield start
+    for process in started:
+        process.kill()
+        process.communicate()
+
+
+@pytest.fixture
+def start_process():
+    """Run the interpreter to its end and give what it wrote."""
+
+    def run(*arguments):
+        ended = subprocess.run(
+            [sys.executable, *arguments], capture_output=True, text=True, timeout=60, check=True
+        )
+        return ended.stdout, ended.stderr
+
+    return run
+
+
+def _write(path, vertices, faces):
+    path.write_bytes(trimesh.Trimesh(vertices, faces, process=False).export(file_type="off").encode())
+    return path
+
+
+@pytest.fixture(scope="session")
+def shape():
+    """A sphere with five arms of different length and no symmetry: vertices (642, 3), faces (1280, 3)."""
+    sphere = trimesh.creation.icosphere(subdivisions=3)
+    arms = np.array([[1, 0.1, 0], [-0.3, 1, 0.2], [0, -0.4, 1], [-1, -0.5, 0.3], [0.2, -0.7, -1]])
+    arms /= np.linalg.norm(arms, axis=1, keepdims=True)
+    lengths = np.array([2.0, 1.5, 1.1, 0.8, 0.5])
+    radius = 1 + np.exp(12 * (sphere.vertices @ arms.T - 1)) @ lengths
+    return sphere.vertices * radius[:, None], sphere.faces
+
+
+@pytest.fixture(scope="session")
+def pair(shape, tmp_path_factory):
+    """Two files, the shape and the shape turned with its vertices renumbered; the new number of each vertex."""
+    vertices, faces = shape
+    folder = tmp_path_factory.mktemp("pair")
+    number = np.random.default_rng(1).permutation(len(vertices))
+    moved = np.empty_like(vertices)
+    moved[number] = vertices @ trimesh.transformations.rotation_matrix(1.0, [1, 2, 3])[:3, :3].T
+    return (
+        _write(folder / "one.off", vertices, faces),
+        _write(folder / "two.off", moved, number[faces]),
+        number,
+    )
+
+
+@pytest.fixture(scope="session")
+def torus(tmp_path_factory):
+    """A mesh that can be read and not matched."""
+    mesh = trimesh.creation.torus(2, 1, major_sections=16, minor_sections=8)
+    return _write(tmp_path_factory.mktemp("torus") / "torus.off", mesh.vertices, mesh.faces)
+
+
+@pytest.fixture
+def broken(tmp_path):
+    """A file that ends in the middle."""
+    path = tmp_path / "broken.off"
+    path.write_text("OFF\n4 4 0\n0 0 0\n1 0 0\n")
+    return path

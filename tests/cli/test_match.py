@@ -1,0 +1,155 @@
+"""`mobius match`: what it prints and writes."""
+
+import hashlib
+import json
+
+import numpy as np
+import pytest
+
+QUICK = ("--samples", 40, "--votes", 4000)
+
+
+@pytest.fixture
+def result(mobius, pair, tmp_path):
+    """Result file of a quick match, read."""
+
+    def match(*options):
+        path = tmp_path / "result.json"
+        ended = mobius("match", *pair[:2], *QUICK, "-o", path, *options)
+        assert ended.code == 0, ended.err
+        return json.loads(path.read_text())
+
+    return match
+
+
+def test_result_file_follows_the_contract(result, pair):
+    found = result("--seed", 3)
+    assert found["format"] == "mobius-match/correspondence"
+    assert found["version"] == 1
+    for role, path in zip(("source", "target"), pair[:2], strict=True):
+        mesh = found[role]
+        assert mesh["path"] == str(path)
+        assert mesh["sha256"] == hashlib.sha256(path.read_bytes()).hexdigest()
+        assert (mesh["vertices"], mesh["faces"]) == (642, 1280)
+        assert mesh["area"] > 0
+        assert mesh["diameter"] > 0
+    assert found["settings"]["seed"] == 3
+    assert found["settings"]["samples"] == 40
+    assert all(seconds >= 0 for seconds in found["timings"].values())
+    assert found["software"]["mobius-match"]
+    rows = found["correspondences"]
+    assert rows
+    confidence = [row["confidence"] for row in rows]
+    assert confidence == sorted(confidence, reverse=True)
+    assert all(0 <= value <= 1 for value in confidence)
+    assert {row["kind"] for row in rows} <= {"voted", "recovered"}
+    for role in ("source", "target"):
+        numbers = [row[role] for row in rows]
+        assert all(type(number) is int and 0 <= number < 642 for number in numbers)
+        assert len(set(numbers)) == len(numbers)
+
+
+def test_finds_the_renumbered_vertices_of_a_turned_shape(result, pair):
+    rows = result()["correspondences"]
+    right = [pair[2][row["source"]] == row["target"] for row in rows]
+    assert len(rows) >= 20
+    assert np.mean(right) >= 0.95
+
+
+def test_without_options_a_table_is_printed(mobius, pair):
+    ended = mobius("match", *pair[:2], *QUICK)
+    assert ended.code == 0
+    assert "one.off" in ended.out
+    assert "two.off" in ended.out
+    assert "confidence" in ended.out
+    assert "\x1b" not in ended.out + ended.err
+
+
+@pytest.mark.parametrize("options", [["--json"], ["-o", "-"], ["-o", "-", "--json"]])
+def test_json_alone_on_standard_output(mobius, pair, options):
+    ended = mobius("match", *pair[:2], *QUICK, *options)
+    assert ended.code == 0
+    assert json.loads(ended.out)["correspondences"]
+
+
+def test_output_file_leaves_standard_output_empty(mobius, pair, tmp_path):
+    path = tmp_path / "result.json"
+    ended = mobius("match", *pair[:2], *QUICK, "-o", path)
+    assert ended.out == ""
+    assert f"{len(json.loads(path.read_text())['correspondences'])} correspondences" in ended.err
+    assert [path] == list(tmp_path.iterdir())
+
+
+def test_quiet_says_nothing(mobius, pair, tmp_path):
+    assert mobius("match", *pair[:2], *QUICK, "-o", tmp_path / "result.json", "--quiet") == (0, "", "")
+
+
+def test_verbose_shows_timings(mobius, pair, tmp_path):
+    ended = mobius("match", *pair[:2], *QUICK, "-o", tmp_path / "result.json", "--verbose")
+    assert "voting: " in ended.err
+    assert "total: " in ended.err
+
+
+@pytest.mark.parametrize("proposal", ["guided", "uniform"])
+def test_threads_do_not_change_the_result(result, proposal):
+    one = result("--proposal", proposal, "--min-fraction", 0.3, "--jobs", 1)
+    three = result("--proposal", proposal, "--min-fraction", 0.3, "--jobs", 3)
+    assert one["correspondences"] == three["correspondences"]
+
+
+@pytest.mark.parametrize(
+    ("option", "value", "name"),
+    [
+        ("--samples", 33, "samples"),
+        ("--votes", 3000, "votes"),
+        ("--proposal", "uniform", "proposal"),
+        ("--distance", "spherical", "distance"),
+        ("--min-fraction", 0.25, "min_fraction"),
+        ("--geodesics", "dijkstra", "geodesics"),
+        ("--triangulation", "mesh", "triangulation"),
+        ("--assignment", "linear", "assignment"),
+        ("--threshold", 0.05, "threshold"),
+        ("--seed", 7, "seed"),
+        ("--jobs", 1, "jobs"),
+    ],
+)
+def test_every_option_reaches_the_match(result, option, value, name):
+    assert result(option, value)["settings"][name] == value
+
+
+def test_options_win_over_the_preset(result):
+    settings = result("--preset", "paper", "--geodesics", "heat")["settings"]
+    assert settings["proposal"] == "uniform"
+    assert settings["min_fraction"] == 0.4
+    assert settings["samples"] == 40
+    assert settings["geodesics"] == "heat"
+
+
+def test_a_mesh_matches_itself(mobius, pair):
+    ended = mobius("match", pair[0], pair[0], *QUICK, "--json")
+    rows = json.loads(ended.out)["correspondences"]
+    assert np.mean([row["source"] == row["target"] for row in rows]) >= 0.95
+
+
+def test_a_repair_is_told(mobius, pair, tmp_path):
+    lines = pair[0].read_text().split("\n")
+    extra = tmp_path / "extra.off"
+    header, first = lines[1].split(), "9 9 9"
+    extra.write_text(
+        "\n".join(["OFF", f"{int(header[0]) + 1} {header[1]} 0", *lines[2:644], first, *lines[644:]])
+    )
+    ended = mobius("match", extra, pair[1], *QUICK, "--json")
+    assert ended.code == 0, ended.err
+    assert "extra.off" in ended.err
+    assert "unused" in ended.err
+    assert json.loads(ended.out)["source"]["vertices"] == 643
+    assert mobius("match", extra, pair[1], *QUICK, "--json", "--quiet").err == ""
+
+
+def test_picture(mobius, pair, tmp_path):
+    path = tmp_path / "matches.png"
+    ended = mobius("match", *pair[:2], *QUICK, "--picture", path, "--json")
+    assert ended.code == 0, ended.err
+    assert path.read_bytes().startswith(b"\x89PNG\r\n")
+    assert json.loads(ended.out)
+    assert [path] == list(tmp_path.iterdir())
