@@ -11,7 +11,7 @@ from ..errors import MeshError, TopologyError
 from .measure import areas, box_scale, cross_products, twins, unit_box
 from .mesh import Mesh
 from .repair import repair, repeated
-from .slivers import is_flat
+from .slivers import MANY, is_flat
 from .topology import (
     boundary_lengths,
     components,
@@ -37,7 +37,7 @@ def require_matchable(mesh: Mesh) -> None:
     Raises
     ------
     MeshError
-        Too few vertices or faces, or no area.
+        Too few vertices or faces, or many faces without area.
     TopologyError
         Edges with more than two faces, surfaces with one side, several pieces, handles.
     """
@@ -78,9 +78,11 @@ def require_matchable(mesh: Mesh) -> None:
             "without holes, "
             "can be flattened. Cut or fill the handles (often: touching parts that a scan has fused)."
         )
-    if not areas(mesh.vertices, faces).sum() > 0:
+    flat = int(is_flat(unit_box(mesh.vertices), faces).sum())
+    if flat > MANY * len(faces):
         raise MeshError(
-            f"{name}: the surface has no area, all its vertices lie on one line. Check the coordinates."
+            f"{name}: {flat} of {len(faces)} faces have no area, their corners lie on one line or in one point. "
+            "Check the coordinates, or mesh the surface anew."
         )
 
 

@@ -14,7 +14,8 @@ from .mesh import Floats, Ints
 from .topology import EdgeTable, edge_table
 
 FLAT = 1e-7  # height, or shortest edge, over longest edge: what float32 files can resolve
-ROUNDS = 20
+ROUNDS = 10
+MANY = 0.1  # with a larger share of faces without area, a mesh is beyond repair
 
 
 def collapse_needles(vertices: Floats, faces: Ints) -> tuple[Ints, Ints, int]:
@@ -35,6 +36,8 @@ def collapse_needles(vertices: Floats, faces: Ints) -> tuple[Ints, Ints, int]:
         length = np.linalg.norm(unit[table.edges[:, 0]] - unit[table.edges[:, 1]], axis=1)
         longest = length[table.face_edges].max(axis=1, initial=0)
         short = (length[table.face_edges] <= FLAT * longest[:, None]) & (longest[:, None] > 0)
+        if np.count_nonzero(short) > MANY * len(faces):
+            break
         candidates = np.unique(table.face_edges[short])
         target = _collapses(table, candidates[np.argsort(length[candidates], kind="stable")], len(vertices))
         if not len(target):
@@ -84,7 +87,7 @@ def is_flat(unit: Floats, faces: Ints) -> np.ndarray:
 def turn_caps(vertices: Floats, faces: Ints) -> tuple[Ints, Ints, int, int]:
     """Turn the longest edge of flat faces; on the boundary drop the face, which loses nothing there.
 
-    The faces must be consistently oriented and manifold.
+    The faces must be consistently oriented; a surface with non-manifold edges is left alone.
 
     Returns
     -------
@@ -100,7 +103,7 @@ def turn_caps(vertices: Floats, faces: Ints) -> tuple[Ints, Ints, int, int]:
     flat = is_flat(unit, faces)
     before = int(flat.sum())
     for _ in range(ROUNDS):
-        if not flat.any():
+        if not 0 < np.count_nonzero(flat) <= MANY * len(faces):
             break
         faces, rows, changed = _turn_once(unit, faces, rows, np.flatnonzero(flat))
         if not changed:
@@ -111,6 +114,8 @@ def turn_caps(vertices: Floats, faces: Ints) -> tuple[Ints, Ints, int, int]:
 
 def _turn_once(unit: Floats, faces: Ints, rows: Ints, flat: Ints) -> tuple[Ints, Ints, bool]:
     table = edge_table(faces)
+    if (table.counts > 2).any():  # taking a face from such an edge would ask for a new orientation
+        return faces, rows, False
     known = table.edges[:, 0] * len(unit) + table.edges[:, 1]
     rim = np.zeros(len(unit), dtype=bool)
     rim[table.edges[table.counts == 1]] = True
