@@ -82,7 +82,7 @@ def shape():
 
 @pytest.fixture(scope="session")
 def pair(shape, tmp_path_factory):
-    """Two files, the shape and the shape turned with its vertices renumbered; the new number of each vertex."""
+    """Two files, the shape and the shape turned and renumbered, and the new number of each vertex."""
     vertices, faces = shape
     folder = tmp_path_factory.mktemp("pair")
     number = np.random.default_rng(1).permutation(len(vertices))
