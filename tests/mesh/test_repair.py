@@ -14,8 +14,14 @@ from mobius_match.mesh.slivers import is_flat
 
 
 def volume(mesh):
-    return np.einsum("ij,ij->i", mesh.vertices[mesh.faces[:, 0]], np.cross(
-        mesh.vertices[mesh.faces[:, 1]], mesh.vertices[mesh.faces[:, 2]])).sum() / 6  # fmt: skip
+    return (
+        np.einsum(
+            "ij,ij->i",
+            mesh.vertices[mesh.faces[:, 0]],
+            np.cross(mesh.vertices[mesh.faces[:, 1]], mesh.vertices[mesh.faces[:, 2]]),
+        ).sum()
+        / 6
+    )
 
 
 def rows(faces):

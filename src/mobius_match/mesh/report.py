@@ -81,7 +81,7 @@ def require_matchable(mesh: Mesh) -> None:
     flat = int(is_flat(unit_box(mesh.vertices), faces).sum())
     if flat > MANY * len(faces):
         raise MeshError(
-            f"{name}: {flat} of {len(faces)} faces have no area, their corners lie on one line or in one point. "
+            f"{name}: {flat} of {len(faces)} faces have no area (corners on one line or in one point). "
             "Check the coordinates, or mesh the surface anew."
         )
 

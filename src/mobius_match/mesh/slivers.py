@@ -1,8 +1,8 @@
 """Triangles without area: what lies between faces is kept whole, only the diagonal or a double point goes.
 
-Taking such a triangle out of a surface would leave a slit. A needle (one edge next to nothing) goes by drawing
-that edge together; a cap (a corner on the opposite edge) by turning its longest edge, which leaves every vertex
-and the shape as they were. Angles and lengths are then good enough for intrinsic computations.
+Taking such a triangle out of a surface would leave a slit. A needle (one edge next to nothing) goes by
+drawing that edge together; a cap (a corner on the opposite edge) by turning its longest edge, which leaves
+every vertex and the shape as they were. Lengths and angles are then good enough for intrinsic computations.
 """
 
 from __future__ import annotations

@@ -127,6 +127,7 @@ def _cells(cursor: Cursor, count: int, size: int) -> tuple[Ints, Ints]:
         return sizes, corners
     cursor.at = mark
     flat = cursor.array(size, "int")
+    promised(count, "cells", size, "numbers")
     starts = np.zeros(count, dtype=np.int64)
     at = 0
     if count and size == 4 * count and (flat[::4] == 3).all():

@@ -1,0 +1,291 @@
+"""Every format: the user's numbers are kept, whatever the dialect."""
+
+import json
+import struct
+
+import numpy as np
+import pytest
+import trimesh
+
+from mobius_match.errors import FormatError, MeshError
+from mobius_match.mesh import Mesh, read_mesh, repair, require_matchable
+
+NAMES = [
+    "plain.off",
+    "one_line.off",
+    "colours.off",
+    "normals.off",
+    "plain.obj",
+    "seams.obj",
+    "text.ply",
+    "little.ply",
+    "big.ply",
+    "text.stl",
+    "binary.stl",
+    "text.vtk",
+    "binary.vtk",
+    "offsets.vtk",
+    "ascii.vtp",
+    "binary.vtp",
+    "zlib.vtp",
+    "raw.vtp",
+    "text.vtu",
+    "binary.vtu",
+    "zlib.vtu",
+    "lib.glb",
+    "hand.gltf",
+]
+
+
+def read(folder, name, data):
+    path = folder / name
+    path.write_bytes(data.encode() if isinstance(data, str) else data)
+    return read_mesh(path)
+
+
+def test_the_list_above_is_complete(files):
+    assert list(files) == NAMES
+
+
+@pytest.mark.parametrize("name", [name for name in NAMES if not name.endswith("stl")])
+def test_numbers_are_kept(tmp_path, files, numbered, name):
+    v, f = numbered
+    mesh = read(tmp_path, name, files[name])
+    if name.endswith(("glb", "gltf")):  # single precision by definition
+        v = v.astype(np.float32)
+    digits = 1e-11 if name == "text.vtu" else 0  # as many as meshio writes
+    np.testing.assert_allclose(mesh.vertices, v, rtol=0, atol=digits)
+    np.testing.assert_array_equal(mesh.faces, f)
+    assert (mesh.n_file_vertices, mesh.n_file_faces) == (len(v), len(f))
+    np.testing.assert_array_equal(mesh.face_ids, np.arange(len(f)))
+    assert mesh.name == name and mesh.path == tmp_path / name and mesh.notes == ()
+    fixed = repair(mesh)
+    np.testing.assert_array_equal(fixed.vertex_ids, np.unique(f))
+    assert fixed.notes == ("2 vertices that no face uses left out.",)
+    require_matchable(fixed)
+
+
+@pytest.mark.parametrize("name", ["text.stl", "binary.stl"])
+def test_stl_is_welded_in_order_of_appearance(tmp_path, files, numbered, name):
+    v, f = numbered
+    mesh = read(tmp_path, name, files[name])
+    _, first = np.unique(f.ravel(), return_index=True)
+    order = f.ravel()[np.sort(first)]
+    expected = v if name == "text.stl" else v.astype(np.float32)
+    np.testing.assert_array_equal(mesh.vertices, expected[order])
+    np.testing.assert_array_equal(order[mesh.faces], f)
+    assert mesh.notes == (
+        "STL has no vertex numbers: 240 corners joined to 42 vertices with different coordinates, "
+        "numbered in order of appearance.",
+    )
+
+
+def test_the_hash_is_that_of_the_file(tmp_path, files):
+    import hashlib
+
+    mesh = read(tmp_path, "a.off", files["plain.off"])
+    assert mesh.sha256 == hashlib.sha256(files["plain.off"]).hexdigest()
+
+
+@pytest.mark.parametrize("ending", ["off", "ply", "obj", "glb"])
+def test_reads_what_trimesh_writes(tmp_path, ending):
+    ball = trimesh.creation.icosphere(2)
+    path = tmp_path / f"ball.{ending.upper()}"
+    ball.export(path, file_type=ending)
+    mesh = read_mesh(path)
+    np.testing.assert_allclose(mesh.vertices, ball.vertices, atol=1e-7)
+    np.testing.assert_array_equal(mesh.faces, ball.faces)
+
+
+# A square, a triangle and a pentagon over the vertices 0 to 6.
+POINTS = [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [2, 0, 0], [3, 1, 1], [2, 2, 0]]
+POLYGONS = [[0, 1, 2, 3], [1, 4, 2], [4, 5, 6, 2, 1]]
+FANS = [[0, 1, 2], [0, 2, 3], [1, 4, 2], [4, 5, 6], [4, 6, 2], [4, 2, 1]]
+
+
+def lines(rows):
+    return "".join(" ".join(map(str, row)) + "\n" for row in rows)
+
+
+def polygon_files():
+    cells = [[len(p), *p] for p in POLYGONS]
+    header = "element vertex 7\nproperty float x\nproperty float y\nproperty float z\nelement face 3\n"
+    header += "property list uchar uint vertex_index\nend_header\n"
+    body = np.array(POINTS, ">f4").tobytes()
+    body += b"".join(struct.pack(f">B{len(p)}I", len(p), *p) for p in POLYGONS)
+    flat, ends = [corner for polygon in POLYGONS for corner in polygon], np.cumsum([len(p) for p in POLYGONS])
+    xml = (
+        '<VTKFile type="{0}"><{0}><Piece><Points><DataArray type="Float32" NumberOfComponents="3">'
+        f"{lines(POINTS)}</DataArray></Points><{{1}}>"
+        f'<DataArray type="Int32" Name="connectivity">{lines([flat])}</DataArray>'
+        f'<DataArray type="Int32" Name="offsets">{lines([ends])}</DataArray>'
+        '<DataArray type="UInt8" Name="types">9 5 7</DataArray></{1}></Piece></{0}></VTKFile>'
+    )
+    vtk = f"# vtk DataFile Version 2.0\nt\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 7 float\n{lines(POINTS)}"
+    return {
+        "a.off": f"OFF\n7 3 0\n{lines(POINTS)}{lines(cells)}",
+        "a.obj": "".join(f"v {x} {y} {z}\n" for x, y, z in POINTS)
+        + "f 1 2 3 4\nf -6 -3 -5\nf 5 \\\n 6 7 3 2\n",
+        "a.ply": f"ply\nformat ascii 1.0\n{header}{lines(POINTS)}{lines(cells)}",
+        "b.ply": f"ply\nformat binary_big_endian 1.0\n{header}".encode() + body,
+        "a.vtk": f"{vtk}CELLS 3 15\n{lines(cells)}CELL_TYPES 3\n9 5 7\n",
+        "a.vtp": xml.format("PolyData", "Polys"),
+        "a.vtu": xml.format("UnstructuredGrid", "Cells"),
+    }
+
+
+@pytest.mark.parametrize("name", polygon_files())
+def test_polygons_become_fans_that_know_their_polygon(tmp_path, name):
+    mesh = read(tmp_path, name, polygon_files()[name])
+    np.testing.assert_array_equal(mesh.vertices, POINTS)
+    np.testing.assert_array_equal(mesh.faces, FANS)
+    assert mesh.face_ids.tolist() == [0, 0, 1, 2, 2, 2] and mesh.n_file_faces == 3
+    assert mesh.notes == ("2 polygon(s) with more than 3 corners cut into 5 triangles.",)
+
+
+def test_edges_among_faces_are_left_out(tmp_path):
+    mesh = read(tmp_path, "a.off", "OFF\n3 3 0\n0 0 0\n1 0 0\n0 1 0\n2 0 1\n3 0 1 2\n1 0\n\n")
+    assert mesh.faces.tolist() == [[0, 1, 2]] and mesh.face_ids.tolist() == [1] and mesh.n_file_faces == 3
+    assert mesh.notes == ("2 face(s) with fewer than 3 corners left out.",)
+
+
+def test_obj_negative_numbers_count_from_their_own_line(tmp_path):
+    text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf -3//1 -2//1 -1//1\n  v 5 5 5 1.0\nv 6 5 5\nv 5 6 5\nf -3/2 -2/2 -1/2\nl 1 2\n"
+    mesh = read(tmp_path, "a.obj", text)
+    assert mesh.faces.tolist() == [[0, 1, 2], [3, 4, 5]]
+    with pytest.raises(FormatError, match=r"line 4: a face names vertex 0, but OBJ counts from 1"):
+        read(tmp_path, "b.obj", text.replace("-3//1", "0//1"))
+    with pytest.raises(FormatError, match=r"face 0 .* names vertex -1"):
+        read(tmp_path, "c.obj", text.replace("-3//1", "-4//1"))
+
+
+def test_ply_skips_what_it_does_not_need(tmp_path):
+    header = (
+        "ply\nformat {} 1.0\nelement camera 1\nproperty list uchar float k\nelement vertex 3\nproperty float q\n"
+        "property double z\nproperty short y\nproperty char x\nelement edge 2\nproperty int a\nelement face 1\n"
+        "property float w\nproperty list ushort uchar vertex_indices\nproperty list uchar float texcoord\nend_header\n"
+    )
+    text = header.format("ascii") + "2 0.5 0.5\n9 3 2 1\n9 6 5 4\n9 7 8 9\n0\n1\n0.5 3 0 1 2 2 0 0\n"
+    binary = header.format("binary_little_endian").encode() + struct.pack("<B2f", 2, 0.5, 0.5)
+    binary += b"".join(struct.pack("<fdhb", 9, z, y, x) for z, y, x in ((3, 2, 1), (6, 5, 4), (7, 8, 9)))
+    binary += struct.pack("<2i", 0, 1) + struct.pack("<fH3BB2f", 0.5, 3, 0, 1, 2, 2, 0, 0)
+    for name, data in (("a.ply", text), ("b.ply", binary)):
+        mesh = read(tmp_path, name, data)
+        assert mesh.vertices.tolist() == [[1, 2, 3], [4, 5, 6], [9, 8, 7]] and mesh.faces.tolist() == [
+            [0, 1, 2]
+        ]
+
+
+def scene_tree():
+    """Four placings of one triangle: moved below turned, scaled below a matrix, a mirror, a strip."""
+    data = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0]], "<f4").tobytes()
+    half = 0.5**0.5
+    tree = {
+        "asset": {"version": "2.0"},
+        "scene": 0,
+        "scenes": [{"nodes": [3, 0, 4, 5]}],
+        "nodes": [
+            {"children": [1], "rotation": [0, 0, half, half]},
+            {"mesh": 0, "translation": [1, 2, 3]},
+            {"mesh": 0},
+            {"matrix": [2, 0, 0, 0, 0, 2, 0, 0, 0, 0, 2, 0, 0, 0, 5, 1], "children": [2]},
+            {"mesh": 0, "scale": [-1, 1, 1]},
+            {"mesh": 1},
+        ],
+        "meshes": [
+            {"primitives": [{"attributes": {"POSITION": 0}}]},
+            {
+                "primitives": [
+                    {"attributes": {"POSITION": 1}, "mode": 5},
+                    {"attributes": {"POSITION": 1}, "mode": 0},
+                ]
+            },
+        ],
+        "accessors": [
+            {"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"},
+            {"bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3"},
+        ],
+        "bufferViews": [{"buffer": 0, "byteLength": 48}],
+        "buffers": [{"byteLength": 48, "uri": "part%20one.bin"}],
+    }
+    return tree, data
+
+
+def test_gltf_scene(tmp_path):
+    tree, data = scene_tree()
+    (tmp_path / "part one.bin").write_bytes(data)
+    mesh = read(tmp_path, "a.gltf", json.dumps(tree))
+    expected = [
+        [[0, 0, 5], [2, 0, 5], [0, 2, 5]],
+        [[-2, 1, 3], [-2, 2, 3], [-3, 1, 3]],
+        [[0, 0, 0], [0, 1, 0], [-1, 0, 0]],  # mirrored: the corners are exchanged
+        [[0, 0, 0], [1, 0, 0], [0, 1, 0]],
+        [[1, 0, 0], [1, 1, 0], [0, 1, 0]],
+    ]
+    np.testing.assert_allclose(mesh.vertices[mesh.faces], expected, atol=1e-12)
+    assert mesh.notes == (
+        "1 primitive(s) of points or lines left out.",
+        "4 parts put together in the order of the scene's nodes; vertices count on through them.",
+    )
+
+
+def test_gltf_scene_against_trimesh(tmp_path):
+    """The same surface as another reader's, the parts in the order of the nodes."""
+    scene = trimesh.Scene()
+    rng = np.random.default_rng(1)
+    for k in range(4):
+        place = trimesh.transformations.random_rotation_matrix(rng.random(3))
+        place[:3, 3] = 5 * rng.random(3)
+        scene.add_geometry(trimesh.creation.icosphere(k % 2 + 1), node_name=f"n{k}", transform=place)
+    path = tmp_path / "scene.glb"
+    scene.export(path)
+    mesh = read_mesh(path)
+    other = trimesh.load_scene(path).to_mesh()
+    key = lambda t: np.round(np.sort(t.mean(axis=1), axis=0), 5)  # noqa: E731
+    np.testing.assert_allclose(key(mesh.vertices[mesh.faces]), key(other.vertices[other.faces]), atol=2e-5)
+
+
+@pytest.mark.parametrize(
+    ("change", "text"),
+    [
+        (lambda t: t["buffers"][0].update(uri="../part.bin"), "lies outside the file's folder"),
+        (lambda t: t["buffers"][0].update(uri="/etc/hostname"), "lies outside the file's folder"),
+        (lambda t: t["buffers"][0].update(uri="absent.bin"), "'absent.bin' cannot be read"),
+        (lambda t: t["buffers"][0].update(byteLength=49), "promises 49 bytes in a buffer, but only 48"),
+        (lambda t: t["accessors"][1].update(count=10**9), "bytes in a buffer, but only 48"),
+        (lambda t: t["accessors"][1].update(count=-1), "expected a number from 0, found -1"),
+        (lambda t: t["accessors"][0].pop("bufferView"), "sparse or compressed"),
+        (lambda t: t["accessors"][0].update(count=4), "4 indices do not form triangles"),
+        (lambda t: t["bufferViews"][0].update(byteStride=4), "byteStride is smaller"),
+        (lambda t: t["nodes"][1].update(children=[0]), "node 0 stands in the tree twice"),
+        (lambda t: t["nodes"][3].update(children=[2, 2]), "node 2 stands in the tree twice"),
+        (lambda t: t["nodes"][0].update(mesh=7), "cannot be read as GLTF .IndexError"),
+        (lambda t: t["asset"].update(version="1.0"), "only version 2"),
+        (lambda t: t.update(extensionsRequired=["KHR_draco_mesh_compression"]), "export without compression"),
+        (lambda t: t.update(nodes=3), "cannot be read as GLTF"),
+        (lambda t: t["scenes"][0].update(nodes=[]), "0 vertices and 0 faces; a surface needs both"),
+    ],
+)
+def test_gltf_refused(tmp_path, change, text):
+    tree, data = scene_tree()
+    (tmp_path / "part one.bin").write_bytes(data)
+    change(tree)
+    with pytest.raises(MeshError, match=text):
+        read(tmp_path, "a.gltf", json.dumps(tree))
+
+
+def test_gltf_bomb_is_refused(tmp_path, monkeypatch):
+    """Many nodes that show one mesh: small on disk, without end in memory."""
+    tree, data = scene_tree()
+    (tmp_path / "part one.bin").write_bytes(data)
+    monkeypatch.setattr("mobius_match.mesh.formats.gltf.MAX_TRIANGLES", 10_000)
+    tree["nodes"] = [{"mesh": 0}] * 3000
+    tree["scenes"] = [{"nodes": list(range(3000))}]
+    with pytest.raises(FormatError, match="triangles and vertices in all nodes, but only 10000"):
+        read(tmp_path, "a.gltf", json.dumps(tree))
+
+
+def test_arrays_and_files_agree(tmp_path, files, numbered):
+    mesh, plain = read(tmp_path, "a.off", files["plain.off"]), Mesh(*numbered)
+    np.testing.assert_array_equal(mesh.vertices, plain.vertices)
+    np.testing.assert_array_equal(mesh.faces, plain.faces)
