@@ -118,7 +118,7 @@ def text_rows(rows, form="{!r}"):
 
 def ply_header(kind, n, m):
     return (
-        f"ply\nformat {kind} 1.0\ncomment made by hand\nelement vertex {n}\nproperty double x\nproperty double y\n"
+        f"ply\nformat {kind} 1.0\ncomment by hand\nelement vertex {n}\nproperty double x\nproperty double y\n"
         f"property double z\nproperty uchar red\nelement face {m}\nproperty list uchar int vertex_indices\n"
         "property uchar flag\nend_header\n"
     )
@@ -161,7 +161,8 @@ def obj_seams(v, f):
 
 def vtk_legacy(v, f, binary):
     cells = np.insert(f, 0, 3, axis=1)
-    head = f"# vtk DataFile Version 3.0\ntitle\n{'BINARY' if binary else 'ASCII'}\nDATASET POLYDATA\nPOINTS {len(v)} double\n"
+    kind = "BINARY" if binary else "ASCII"
+    head = f"# vtk DataFile Version 3.0\ntitle\n{kind}\nDATASET POLYDATA\nPOINTS {len(v)} double\n"
     mid = f"POLYGONS {len(f)} {cells.size}\n"
     tail = b"\nPOINT_DATA 1\nSCALARS x double\n"
     if binary:
@@ -179,9 +180,9 @@ def vtk_legacy(v, f, binary):
 def vtk_offsets(v, f):
     """Version 5: offsets and connectivity, metadata after the points."""
     return (
-        f"# vtk DataFile Version 5.1\ntitle\nASCII\nDATASET POLYDATA\nPOINTS {len(v)} double\n{text_rows(v)}METADATA\n"
-        f"INFORMATION 0\n\nPOLYGONS {len(f) + 1} {f.size}\nOFFSETS vtktypeint64\n{text_rows([range(0, f.size + 1, 3)])}"
-        f"CONNECTIVITY vtktypeint64\n{text_rows(f)}"
+        "# vtk DataFile Version 5.1\ntitle\nASCII\nDATASET POLYDATA\n"
+        f"POINTS {len(v)} double\n{text_rows(v)}METADATA\nINFORMATION 0\n\nPOLYGONS {len(f) + 1} {f.size}\n"
+        f"OFFSETS vtktypeint64\n{text_rows([range(0, f.size + 1, 3)])}CONNECTIVITY vtktypeint64\n{text_rows(f)}"
     ).encode()
 
 
@@ -212,8 +213,9 @@ def vtp(v, f, form):
         return head + f'appended" offset="{len(appended) - len(data) - 4}"/>'
 
     body = (
-        f'<PolyData><Piece NumberOfPoints="{len(v)}" NumberOfPolys="{len(f)}"><Points>{array(v, "Float64", "p", 3)}</Points>'
-        f"<Polys>{array(f.astype(np.int64), 'Int64', 'connectivity')}"
+        f'<PolyData><Piece NumberOfPoints="{len(v)}" NumberOfPolys="{len(f)}">'
+        f"<Points>{array(v, 'Float64', 'p', 3)}</Points><Polys>"
+        f"{array(f.astype(np.int64), 'Int64', 'connectivity')}"
         f"{array(np.arange(3, f.size + 1, 3, dtype=np.int32), 'Int32', 'offsets')}</Polys></Piece></PolyData>"
     )
     packer = ' compressor="vtkZLibDataCompressor"' if form == "zlib" else ""
@@ -236,24 +238,16 @@ def gltf(v, f):
     """With its buffer in a data URI."""
     data = v.astype("<f4").tobytes() + f.astype("<u4").tobytes()
     tree = {
-        "asset": {"version": "2.0"},
-        "scene": 0,
-        "scenes": [{"nodes": [0]}],
-        "nodes": [{"mesh": 0}],
+        "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
         "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1, "material": 0}]}],
         "materials": [{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}],
-        "textures": [{"source": 0}],
-        "images": [{"uri": "nowhere.png"}],
+        "textures": [{"source": 0}], "images": [{"uri": "nowhere.png"}],
         "buffers": [{"byteLength": len(data), "uri": "data:;base64," + base64.b64encode(data).decode()}],
-        "bufferViews": [
-            {"buffer": 0, "byteLength": 12 * len(v)},
-            {"buffer": 0, "byteOffset": 12 * len(v), "byteLength": 12 * len(f)},
-        ],
-        "accessors": [
-            {"bufferView": 0, "componentType": 5126, "count": len(v), "type": "VEC3"},
-            {"bufferView": 1, "componentType": 5125, "count": f.size, "type": "SCALAR"},
-        ],
-    }
+        "bufferViews": [{"buffer": 0, "byteLength": 12 * len(v)},
+                        {"buffer": 0, "byteOffset": 12 * len(v), "byteLength": 12 * len(f)}],
+        "accessors": [{"bufferView": 0, "componentType": 5126, "count": len(v), "type": "VEC3"},
+                      {"bufferView": 1, "componentType": 5125, "count": f.size, "type": "SCALAR"}],
+    }  # fmt: skip
     return json.dumps(tree).encode()
 
 
@@ -261,10 +255,11 @@ def every_file(v, f, folder):
     """The mesh in every format and dialect: name of the file -> bytes."""
     n, m = len(v), len(f)
     rows, cells = text_rows(v), text_rows(np.insert(f, 0, 3, axis=1))
+    painted = cells.replace("\n", " 255 0 0\n")
     extra = np.hstack([v, np.zeros((n, 4))])
     return {
         "plain.off": f"OFF\n{n} {m} 0\n{rows}{cells}",
-        "one_line.off": f"# first\nOFF {n} {m} 0 # counts\n\n{rows}# faces\n{cells.replace(chr(10), ' 255 0 0' + chr(10))}",
+        "one_line.off": f"# first\nOFF {n} {m} 0 # counts\n\n{rows}# faces\n{painted}",
         "colours.off": f"COFF\r\n{n} {m} 0\r\n" + (text_rows(extra) + cells).replace("\n", "\r\n"),
         "normals.off": f"NOFF\n{n} {m}\n{text_rows(extra[:, :6])}{cells}",
         "plain.obj": "".join(f"v {line}\n" for line in rows.splitlines())

@@ -186,7 +186,7 @@ def test_solid_cells_are_refused(tmp_path):
     path = tmp_path / "a.vtk"
     cells = "CELLS 2 9\n3 0 1 2\n4 0 1 2 3\nCELL_TYPES 2\n5 10\n"
     path.write_text(
-        f"# vtk DataFile Version 3.0\nt\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 4 float\n{POINT}0 0 1\n{cells}"
+        VTK.format("ASCII", f"POINTS 4 float\n{POINT}0 0 1\n{cells}").replace("POLYDATA", "UNSTRUCTURED_GRID")
     )
     with pytest.raises(FormatError, match=r"1 cell\(s\) are neither .*\(the first is cell 1, VTK type 10\)"):
         read_mesh(path)

@@ -150,7 +150,8 @@ def test_edges_among_faces_are_left_out(tmp_path):
 
 
 def test_obj_negative_numbers_count_from_their_own_line(tmp_path):
-    text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf -3//1 -2//1 -1//1\n  v 5 5 5 1.0\nv 6 5 5\nv 5 6 5\nf -3/2 -2/2 -1/2\nl 1 2\n"
+    text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf -3//1 -2//1 -1//1\n  v 5 5 5 1.0\n"
+    text += "v 6 5 5\nv 5 6 5\nf -3/2 -2/2 -1/2\nl 1 2\n"
     mesh = read(tmp_path, "a.obj", text)
     assert mesh.faces.tolist() == [[0, 1, 2], [3, 4, 5]]
     with pytest.raises(FormatError, match=r"line 4: a face names vertex 0, but OBJ counts from 1"):
@@ -161,9 +162,10 @@ def test_obj_negative_numbers_count_from_their_own_line(tmp_path):
 
 def test_ply_skips_what_it_does_not_need(tmp_path):
     header = (
-        "ply\nformat {} 1.0\nelement camera 1\nproperty list uchar float k\nelement vertex 3\nproperty float q\n"
-        "property double z\nproperty short y\nproperty char x\nelement edge 2\nproperty int a\nelement face 1\n"
-        "property float w\nproperty list ushort uchar vertex_indices\nproperty list uchar float texcoord\nend_header\n"
+        "ply\nformat {} 1.0\nelement camera 1\nproperty list uchar float k\nelement vertex 3\n"
+        "property float q\nproperty double z\nproperty short y\nproperty char x\n"
+        "element edge 2\nproperty int a\nelement face 1\nproperty float w\n"
+        "property list ushort uchar vertex_indices\nproperty list uchar float texcoord\nend_header\n"
     )
     text = header.format("ascii") + "2 0.5 0.5\n9 3 2 1\n9 6 5 4\n9 7 8 9\n0\n1\n0.5 3 0 1 2 2 0 0\n"
     binary = header.format("binary_little_endian").encode() + struct.pack("<B2f", 2, 0.5, 0.5)

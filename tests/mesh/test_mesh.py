@@ -107,5 +107,5 @@ def test_as_mesh_refuses(thing):
 
 
 def test_as_mesh_of_a_missing_file():
-    with pytest.raises(FormatError, match="nowhere.off: no such file"):
+    with pytest.raises(FormatError, match=r"nowhere\.off: no such file"):
         as_mesh("nowhere.off")
