@@ -182,7 +182,8 @@ def vtk_offsets(v, f):
     return (
         "# vtk DataFile Version 5.1\ntitle\nASCII\nDATASET POLYDATA\n"
         f"POINTS {len(v)} double\n{text_rows(v)}METADATA\nINFORMATION 0\n\nPOLYGONS {len(f) + 1} {f.size}\n"
-        f"OFFSETS vtktypeint64\n{text_rows([range(0, f.size + 1, 3)])}CONNECTIVITY vtktypeint64\n{text_rows(f)}"
+        f"OFFSETS vtktypeint64\n{text_rows([range(0, f.size + 1, 3)])}"
+        f"CONNECTIVITY vtktypeint64\n{text_rows(f)}"
     ).encode()
 
 

@@ -58,7 +58,8 @@ def repair(mesh: Mesh) -> Mesh:
     vertices = mesh.vertices[origin]
     notes += more
 
-    loose = _loose(vertices, faces)
+    table = edge_table(faces)
+    loose = _loose(vertices, faces, table)
     if loose.any():
         pieces, _ = components(faces[loose])
         size = areas(vertices, faces)
@@ -67,8 +68,9 @@ def repair(mesh: Mesh) -> Mesh:
             f"{pieces} loose piece(s), {_faces(loose.sum())}, {percent:.2g} % of the area, left out."
         )
         faces, kept = faces[~loose], kept[~loose]
+        table = edge_table(faces)
 
-    faces, more = _orient(vertices, faces)
+    faces, more = _orient(vertices, faces, table)
     notes += more
 
     faces, rows, number, left = turn_caps(vertices, faces)
@@ -181,9 +183,9 @@ def _seams(faces: Ints, twin: Ints, table: EdgeTable) -> tuple[Ints, Ints]:
     return np.concatenate(firsts), np.concatenate(seconds)
 
 
-def _loose(vertices: Floats, faces: Ints) -> np.ndarray:
+def _loose(vertices: Floats, faces: Ints, table: EdgeTable) -> np.ndarray:
     """Faces of the smallest components, as many as stay under `LOOSE_AREA` together; never the largest."""
-    number, label = components(faces)
+    number, label = components(faces, table)
     if number < 2:
         return np.zeros(len(faces), dtype=bool)
     size = np.bincount(label, weights=areas(vertices, faces), minlength=number)
@@ -195,9 +197,8 @@ def _loose(vertices: Floats, faces: Ints) -> np.ndarray:
     return drop[label]
 
 
-def _orient(vertices: Floats, faces: Ints) -> tuple[Ints, list[str]]:
+def _orient(vertices: Floats, faces: Ints, table: EdgeTable) -> tuple[Ints, list[str]]:
     """Turn faces so that all agree: closed pieces outwards, others as most of their faces are."""
-    table = edge_table(faces)
     piece, turned, twisted = sides(faces, table)
     turned = turned & ~twisted
     number = 2 * len(faces)  # labels are below this; most of them are not in use
