@@ -16,10 +16,10 @@ from .geometry.geodesics import DistanceFunction
 from .geometry.laplacian import IntrinsicMesh, corner_angles, cotangent_laplacian, vertex_areas
 
 SMOOTHING_STEPS = 5
-SMOOTHING_RADIUS = 0.025
+SMOOTHING_RADIUS = 0.02
 """Width of the smoothing in units of sqrt(area); the heat time of all steps is its square."""
 
-MAXIMUM_RADIUS = 0.08
+MAXIMUM_RADIUS = 0.05
 """Radius in units of sqrt(area) of the geodesic disc that a maximum of curvature has to be the largest of."""
 
 

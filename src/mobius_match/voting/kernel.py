@@ -17,6 +17,7 @@ from ..mobius import CANONICAL_TRIANGLE
 jit = numba.njit(cache=True, nogil=True, error_model="numpy")
 
 Y1, Y2, Y3 = (complex(y) for y in CANONICAL_TRIANGLE)
+LARGEST = np.int32(np.iinfo(np.int32).max)
 FAR = 1e15  # stands for infinity in the canonical plane; its square still fits a float32
 
 
@@ -61,39 +62,44 @@ def to_sphere(plane, sphere):
 
 
 @jit
-def mutually_nearest(first, second, distances, row_least, column_least, partner):
-    """Partner (p,) in ``second`` (d, r) of each point of ``first`` (d, p), -1 for none, and the number of pairs.
+def mutually_nearest(first, second, row, row_least, column_least, partner):
+    """Pair the points of ``first`` (2 or 3, N1) and ``second`` (2 or 3, N2) that are each other's nearest.
 
-    Squared distances are not negative, so their bits order as integers, and integer minima use vector instructions.
-    Of equally near points the lowest number is the nearest.
+    Writes to ``partner`` (N1,) int32 the paired point of ``second``, -1 for none, and to ``row_least`` (N1,) the
+    squared distance; returns the number of pairs. ``row`` (N2,) and ``column_least`` (N2,) are scratch. Of equally near
+    points the lowest number is the nearest.
     """
-    bits, rows, columns = distances.view(np.int32), row_least.view(np.int32), column_least.view(np.int32)
-    n1, n2 = first.shape[1], second.shape[1]
-    columns[:] = np.iinfo(np.int32).max
-    for k in range(n1):
+    # Squared distances are not negative, so their bits order as integers, whose minima use vector instructions.
+    bits, rows, columns = row.view(np.int32), row_least.view(np.int32), column_least.view(np.int32)
+    xs, ys, zs = second[0], second[1], second[-1]
+    columns[:] = LARGEST
+    for k in range(first.shape[1]):
+        x, y, z = first[0, k], first[1, k], first[-1, k]
         if len(first) == 2:
-            x, y = first[0, k], first[1, k]
-            for j in range(n2):
-                distances[k, j] = (second[0, j] - x) ** 2 + (second[1, j] - y) ** 2
+            for j in range(len(row)):
+                dx, dy = xs[j] - x, ys[j] - y
+                row[j] = dx * dx + dy * dy
         else:
-            x, y, z = first[0, k], first[1, k], first[2, k]
-            for j in range(n2):
-                distances[k, j] = (second[0, j] - x) ** 2 + (second[1, j] - y) ** 2 + (second[2, j] - z) ** 2
-        least = np.iinfo(np.int32).max
-        for j in range(n2):
-            least = min(least, bits[k, j])
-            columns[j] = min(columns[j], bits[k, j])
+            for j in range(len(row)):
+                dx, dy, dz = xs[j] - x, ys[j] - y, zs[j] - z
+                row[j] = dx * dx + dy * dy + dz * dz
+        least = LARGEST
+        for j in range(len(row)):
+            least = min(least, bits[j])
+            columns[j] = min(columns[j], bits[j])
+        nearest = LARGEST
+        for j in range(len(row)):
+            nearest = min(nearest, np.int32(j) if bits[j] == least else LARGEST)
         rows[k] = least
+        partner[k] = nearest
     n_pairs = 0
-    for k in range(n1):
-        partner[k] = -1
-        for j in range(n2):
-            if bits[k, j] == rows[k]:
-                if bits[k, j] == columns[j]:
-                    partner[k] = j
-                    n_pairs += 1
-                    columns[j] = -1  # taken
-                break
+    for k in range(len(partner)):
+        j = partner[k]
+        if rows[k] == columns[j]:
+            columns[j] = -1  # taken
+            n_pairs += 1
+        else:
+            partner[k] = -1
     return n_pairs
 
 
@@ -135,9 +141,8 @@ def vote(points1, points2, triplets1, triplets2, least_pairs, epsilon, spherical
     n1, n2 = len(points1), len(points2)
     plane1, plane2 = np.empty((2, n1), np.float32), np.empty((2, n2), np.float32)
     sphere1, sphere2 = np.empty((3, n1), np.float32), np.empty((3, n2), np.float32)
-    distances = np.empty((n1, n2), np.float32)
-    row_least, column_least = np.empty(n1, np.float32), np.empty(n2, np.float32)
-    partner = np.empty(n1, np.int64)
+    row, squared, column_least = np.empty(n2, np.float32), np.empty(n1, np.float32), np.empty(n2, np.float32)
+    partner = np.empty(n1, np.int32)
     n_voting = 0
     for i in range(len(triplets1)):
         if not to_canonical(points1, triplets1[i], plane1) or not to_canonical(points2, triplets2[i], plane2):
@@ -145,14 +150,14 @@ def vote(points1, points2, triplets1, triplets2, least_pairs, epsilon, spherical
         if spherical:
             to_sphere(plane1, sphere1)
             to_sphere(plane2, sphere2)
-            n = mutually_nearest(sphere1, sphere2, distances, row_least, column_least, partner)
+            n = mutually_nearest(sphere1, sphere2, row, squared, column_least, partner)
         else:
-            n = mutually_nearest(plane1, plane2, distances, row_least, column_least, partner)
+            n = mutually_nearest(plane1, plane2, row, squared, column_least, partner)
         if n >= least_pairs:
             energy = 0.0
             for k in range(n1):
                 if partner[k] >= 0:
-                    energy += deformation(distances[k, partner[k]], spherical)
+                    energy += deformation(squared[k], spherical)
             for k in range(n1):
                 if partner[k] >= 0:
                     votes[k, partner[k]] += 1 / (epsilon + energy / n)
@@ -197,9 +202,8 @@ def vote_weighted(
     n1, n2 = len(points1), len(points2)
     plane1, plane2 = np.empty((2, n1), np.float32), np.empty((2, n2), np.float32)
     sphere1, sphere2 = np.empty((3, n1), np.float32), np.empty((3, n2), np.float32)
-    distances = np.empty((n1, n2), np.float32)
-    row_least, column_least = np.empty(n1, np.float32), np.empty(n2, np.float32)
-    partner, weight = np.empty(n1, np.int64), np.zeros(n1)
+    row, squared, column_least = np.empty(n2, np.float32), np.empty(n1, np.float32), np.empty(n2, np.float32)
+    partner, weight = np.empty(n1, np.int32), np.zeros(n1)
     n_voting = 0
     for i in range(len(triplets1)):
         if not to_canonical(points1, triplets1[i], plane1) or not to_canonical(points2, triplets2[i], plane2):
@@ -207,9 +211,9 @@ def vote_weighted(
         if spherical:
             to_sphere(plane1, sphere1)
             to_sphere(plane2, sphere2)
-            n = mutually_nearest(sphere1, sphere2, distances, row_least, column_least, partner)
+            n = mutually_nearest(sphere1, sphere2, row, squared, column_least, partner)
         else:
-            n = mutually_nearest(plane1, plane2, distances, row_least, column_least, partner)
+            n = mutually_nearest(plane1, plane2, row, squared, column_least, partner)
         if n >= least_pairs:
             total = 0.0
             for k in range(n1):
