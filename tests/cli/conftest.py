@@ -56,9 +56,7 @@ def start_process():
     """Run the interpreter to its end and give what it wrote."""
 
     def run(*arguments):
-        ended = subprocess.run(
-            [sys.executable, *arguments], capture_output=True, text=True, timeout=60, check=True
-        )
+        ended = subprocess.run([sys.executable, *arguments], capture_output=True, text=True, timeout=60, check=True)
         return ended.stdout, ended.stderr
 
     return run

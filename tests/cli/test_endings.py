@@ -159,9 +159,7 @@ def test_a_device_is_written_to_and_not_replaced(mobius, pair):
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="the system has no /dev/full")
 def test_a_full_disk(mobius, pair):
-    ended_with(
-        mobius("match", *pair[:2], "--samples", 20, "--votes", 500, "-o", "/dev/full"), 1, "No space left"
-    )
+    ended_with(mobius("match", *pair[:2], "--samples", 20, "--votes", 500, "-o", "/dev/full"), 1, "No space left")
 
 
 def test_output_goes_through_a_link(mobius, pair, tmp_path):

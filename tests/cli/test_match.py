@@ -135,9 +135,7 @@ def test_a_repair_is_told(mobius, pair, tmp_path):
     lines = pair[0].read_text().split("\n")
     extra = tmp_path / "extra.off"
     header, first = lines[1].split(), "9 9 9"
-    extra.write_text(
-        "\n".join(["OFF", f"{int(header[0]) + 1} {header[1]} 0", *lines[2:644], first, *lines[644:]])
-    )
+    extra.write_text("\n".join(["OFF", f"{int(header[0]) + 1} {header[1]} 0", *lines[2:644], first, *lines[644:]]))
     ended = mobius("match", extra, pair[1], *QUICK, "--json")
     assert ended.code == 0, ended.err
     assert "extra.off" in ended.err

@@ -6,6 +6,7 @@ import json
 import pytest
 
 import mobius_match
+from mobius_match.cli.common import Reporter
 
 HEAVY = {"numpy", "scipy", "numba", "trimesh", "meshio", "igl", "potpourri3d", "matplotlib", "rich"}
 
@@ -27,9 +28,7 @@ def test_help_loads_nothing_heavy(start_process, arguments):
 
 
 def test_the_package_loads_nothing_heavy(start_process):
-    _, err = start_process(
-        "-c", "import json, sys, mobius_match; sys.stderr.write(json.dumps(sorted(sys.modules)))"
-    )
+    _, err = start_process("-c", "import json, sys, mobius_match; sys.stderr.write(json.dumps(sorted(sys.modules)))")
     assert HEAVY & set(json.loads(err)) == set()
 
 
@@ -48,3 +47,12 @@ def test_help_names_every_command(mobius):
     assert ended.code == 0
     for name in ("match", "info", "demo"):
         assert f"\n  {name}  " in ended.out
+
+
+def test_compiling_is_told_once_and_not_if_quiet(capsys):
+    for quiet, said in ((False, "compiling kernels (first run only)...\n"), (True, "")):
+        with Reporter(quiet) as reporter:
+            for done in (0, 1):
+                reporter.progress("compiling", done, 2)
+            reporter.progress("voting", 0, 2)
+        assert capsys.readouterr() == ("", said)

@@ -23,9 +23,7 @@ def demo(
     output: Annotated[
         Path, typer.Option("--output", "-o", metavar="DIR", help="Folder for results, pictures and tables.")
     ] = Path("mobius-demo"),
-    json: Annotated[
-        bool, typer.Option("--json", help="Print the figures as JSON instead of tables.")
-    ] = False,
+    json: Annotated[bool, typer.Option("--json", help="Print the figures as JSON instead of tables.")] = False,
     quiet: Quiet = False,
     verbose: Verbose = False,
 ) -> None:
@@ -84,15 +82,10 @@ def measure(result: Correspondence, true_faces: np.ndarray, true_weights: np.nda
     distances = geodesic_solver(target.vertices, target.faces)
     corners, weights = target.faces[true_faces[result.pairs[:, 0]]], true_weights[result.pairs[:, 0]]
     errors = np.array(
-        [
-            weight @ distances(j)[corner]
-            for (_, j), corner, weight in zip(result.pairs, corners, weights, strict=True)
-        ]
+        [weight @ distances(j)[corner] for (_, j), corner, weight in zip(result.pairs, corners, weights, strict=True)]
     )
     errors /= result.target_info["diameter"]
-    matches = zip(
-        result.pairs.tolist(), result.confidence.tolist(), result.kind.tolist(), errors.tolist(), strict=True
-    )
+    matches = zip(result.pairs.tolist(), result.confidence.tolist(), result.kind.tolist(), errors.tolist(), strict=True)
     return {
         "correspondences": len(result),
         "mean_error_first_15": float(errors[:15].mean()),
@@ -147,7 +140,5 @@ def _summary_table(report: list[dict[str, Any]]) -> Table:
     for entry in report:
         errors = (f"{100 * entry[f'mean_error_first_{n}']:.1f}" for n in (15, 45))
         shares = (f"{100 * entry[f'within_{n}_percent']:.0f} %" for n in (3, 5))
-        table.add_row(
-            entry["pair"], str(entry["correspondences"]), *errors, *shares, f"{entry['seconds']:.1f}"
-        )
+        table.add_row(entry["pair"], str(entry["correspondences"]), *errors, *shares, f"{entry['seconds']:.1f}")
     return table

@@ -16,7 +16,6 @@ if TYPE_CHECKING:
     from rich.table import Table
 
     from ..correspondence import Correspondence
-    from ..mesh import Mesh
 
 Quiet = Annotated[bool, Option("--quiet", "-q", help="Show results and errors only.")]
 Verbose = Annotated[bool, Option("--verbose", "-v", help="Show timings, and the traceback of an error.")]
@@ -31,13 +30,9 @@ def match(
         Path | None,
         Option("--output", "-o", metavar="FILE", help="Write the result as JSON; '-' is standard output."),
     ] = None,
-    picture: Annotated[
-        Path | None, Option(metavar="FILE.png", help="Draw the matches on both surfaces.")
-    ] = None,
+    picture: Annotated[Path | None, Option(metavar="FILE.png", help="Draw the matches on both surfaces.")] = None,
     json: Annotated[bool, Option("--json", help="Print the result as JSON instead of a table.")] = False,
-    samples: Annotated[
-        int | None, Option(metavar="N", help="Sample points on each surface.  [default: 100]")
-    ] = None,
+    samples: Annotated[int | None, Option(metavar="N", help="Sample points on each surface.  [default: 100]")] = None,
     votes: Annotated[
         int | None, Option(metavar="N", help="Triplets to evaluate.  [default: the program's choice]")
     ] = None,
@@ -50,9 +45,7 @@ def match(
     ] = None,
     preset: Annotated[
         str | None,
-        Option(
-            metavar="paper", help="The paper's published settings, all at once; options given besides it win."
-        ),
+        Option(metavar="paper", help="The paper's published settings, all at once; options given besides it win."),
     ] = None,
     distance: Annotated[
         str | None,
@@ -143,8 +136,7 @@ def run_match(source: Path, target: Path, reporter: Reporter, settings: dict[str
     """Match two files with progress, and with what was noted on the way shown."""
     from ..matching import match as match_surfaces
 
-    meshes = [_readable(path) for path in (source, target)]  # both, before the work on the first begins
-    result = match_surfaces(*meshes, progress=reporter.progress, **settings)
+    result = match_surfaces(source, target, progress=reporter.progress, **settings)
     reporter.notes(result.warnings)
     return result
 
@@ -158,17 +150,7 @@ def draw(result: Correspondence) -> bytes:
     return picture.getvalue()
 
 
-def _readable(path: Path) -> Mesh:
-    from ..mesh import read_mesh, repair, require_matchable
-
-    mesh = read_mesh(path)
-    require_matchable(repair(mesh))
-    return mesh
-
-
-def _check(
-    settings: dict[str, Any], output: Path | None, picture: Path | None, inputs: tuple[Path, Path]
-) -> None:
+def _check(settings: dict[str, Any], output: Path | None, picture: Path | None, inputs: tuple[Path, Path]) -> None:
     from ..errors import SettingsError
     from ..settings import make_settings
 

@@ -34,14 +34,10 @@ def check_output(option: str, path: Path, inputs: Sequence[Path] = ()) -> None:
     if not folder.is_dir():
         raise SettingsError(f"{option}: the folder {folder} does not exist; make it first.")
     if not os.access(path if path.exists() else folder, os.W_OK):
-        raise SettingsError(
-            f"{option}: {path} cannot be written; check the permissions or name another place."
-        )
+        raise SettingsError(f"{option}: {path} cannot be written; check the permissions or name another place.")
     for given in inputs:
         if path.exists() and given.exists() and path.samefile(given):
-            raise SettingsError(
-                f"{option}: {path} is one of the inputs and would be overwritten; name another file."
-            )
+            raise SettingsError(f"{option}: {path} is one of the inputs and would be overwritten; name another file.")
 
 
 def write(path: Path, content: bytes) -> None:
