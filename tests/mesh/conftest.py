@@ -47,17 +47,13 @@ def cylinder():
 def torus(shift=0.0):
     u, v, faces = grid(10, 8, wrap_u=True, wrap_v=True)
     r = 2 + np.cos(2 * np.pi * v)
-    return np.stack(
-        [r * np.cos(2 * np.pi * u) + shift, r * np.sin(2 * np.pi * u), np.sin(2 * np.pi * v)], 1
-    ), faces
+    return np.stack([r * np.cos(2 * np.pi * u) + shift, r * np.sin(2 * np.pi * u), np.sin(2 * np.pi * v)], 1), faces
 
 
 def moebius():
     u, v, faces = grid(20, 3, wrap_u=True, twist=True)
     r = 1 + (v - 0.5) * np.cos(np.pi * u)
-    return np.stack(
-        [r * np.cos(2 * np.pi * u), r * np.sin(2 * np.pi * u), (v - 0.5) * np.sin(np.pi * u)], 1
-    ), faces
+    return np.stack([r * np.cos(2 * np.pi * u), r * np.sin(2 * np.pi * u), (v - 0.5) * np.sin(np.pi * u)], 1), faces
 
 
 def holed_sphere(holes=2):
@@ -166,14 +162,7 @@ def vtk_legacy(v, f, binary):
     mid = f"POLYGONS {len(f)} {cells.size}\n"
     tail = b"\nPOINT_DATA 1\nSCALARS x double\n"
     if binary:
-        return (
-            head.encode()
-            + v.astype(">f8").tobytes()
-            + b"\n"
-            + mid.encode()
-            + cells.astype(">i4").tobytes()
-            + tail
-        )
+        return head.encode() + v.astype(">f8").tobytes() + b"\n" + mid.encode() + cells.astype(">i4").tobytes() + tail
     return (head + text_rows(v) + mid + text_rows(cells)).encode() + tail
 
 
@@ -198,12 +187,7 @@ def vtp(v, f, form):
         if form == "ascii":
             return head + 'ascii">' + text_rows([values.ravel()]) + "</DataArray>"
         if form == "binary":
-            return (
-                head
-                + 'binary">'
-                + base64.b64encode(np.uint32(len(data)).tobytes() + data).decode()
-                + "</DataArray>"
-            )
+            return head + 'binary">' + base64.b64encode(np.uint32(len(data)).tobytes() + data).decode() + "</DataArray>"
         if form == "zlib":
             blocks = [data[k : k + 1000] for k in range(0, len(data), 1000)]
             packed = [zlib.compress(block) for block in blocks]

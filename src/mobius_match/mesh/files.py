@@ -14,10 +14,9 @@ from .formats.gltf import read_gltf
 from .formats.obj import read_obj
 from .formats.off import read_off
 from .formats.ply import read_ply
-from .formats.raw import RawMesh, check_corners, triangulate
+from .formats.raw import RawMesh
 from .formats.stl import read_stl
-from .formats.vtk import read_vtk
-from .formats.vtkxml import read_vtkxml
+from .formats.vtk import read_vtk, read_vtkxml
 from .mesh import Mesh
 
 READERS: dict[str, Callable[[bytes, Path], RawMesh]] = {
@@ -59,8 +58,9 @@ def read_mesh(path: str | os.PathLike[str]) -> Mesh:
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # numpy's, on odd numbers: checked below
+            # How numpy tells that a text of numbers ends in something else; the libraries let it pass.
+            warnings.filterwarnings("error", message="string or file could not be read")
             raw = reader(data, path)
-        check_corners(raw)
     except MeshError as error:
         raise type(error)(f"{path}: {error}") from error
     except Exception as error:
@@ -70,21 +70,20 @@ def read_mesh(path: str | os.PathLike[str]) -> Mesh:
             f"{path}: cannot be read as {kind} ({type(error).__name__}: {error}). "
             "The file is damaged, cut short or of another kind than its name says: export it again."
         ) from error
-    if not len(raw.vertices) or not len(raw.sizes):
+    if not len(raw.vertices) or not raw.n_faces:
         raise MeshError(
-            f"{path}: {len(raw.vertices)} vertices and {len(raw.sizes)} faces; a surface needs both. "
+            f"{path}: {len(raw.vertices)} vertices and {raw.n_faces} faces; a surface needs both. "
             "A point cloud must be meshed first."
         )
-    faces, face_ids, notes = triangulate(raw)
     return Mesh(
         raw.vertices,
-        faces,
+        raw.faces,
         name=path.name,
         path=path,
         sha256=hashlib.sha256(data).hexdigest(),
-        face_ids=face_ids,
-        n_file_faces=len(raw.sizes),
-        notes=(*raw.notes, *notes),
+        face_ids=raw.face_ids,
+        n_file_faces=raw.n_faces,
+        notes=tuple(raw.notes),
     )
 
 
@@ -133,6 +132,5 @@ def as_mesh(thing: Any) -> Mesh:
     if hasattr(thing, "vertices") and hasattr(thing, "faces"):
         return Mesh(thing.vertices, thing.faces)
     raise MeshError(
-        f"{type(thing).__name__!r} is not a mesh: "
-        "give a path, a pair (vertices, faces) or an object with both."
+        f"{type(thing).__name__!r} is not a mesh: give a path, a pair (vertices, faces) or an object with both."
     )

@@ -1,8 +1,6 @@
-"""One file a format: each reader turns bytes into a `RawMesh` that keeps the numbers of the user's file.
+"""One module a format: bytes in, a `RawMesh` out that keeps the vertex and face numbers of the user's file.
 
-General mesh libraries read these formats too, but not faithfully to the numbering: trimesh stacks triangles
-before quadrilaterals, may split OBJ vertices at texture seams, walks glTF nodes from last to first and
-fills compressed geometry with zeros; meshio knows fewer types of PLY and no polygons in VTK files. The
-promise here is that every vertex and face number is that of the user's own file, and that a damaged file is
-refused quickly.
+trimesh reads OFF, PLY, STL and glTF, meshio reads VTK; OBJ is read here. Each module says what its library
+gets wrong and what is done about it. Headers are checked against the size of the file before a library sees
+it, and libraries are imported only when a file is read.
 """

@@ -1,44 +1,49 @@
-"""OBJ: only ``v`` and ``f`` lines are looked at, so texture seams and material groups split nothing."""
+"""OBJ, by a reader of its own: only ``v`` and ``f`` lines count, so texture seams and groups split nothing.
+
+trimesh splits vertices at texture seams and leaves unused ones out; meshio refuses files with more texture
+points than vertices, and reads a negative vertex number as another vertex.
+"""
 
 from __future__ import annotations
 
 import re
+from itertools import chain
 
 import numpy as np
 
 from ...errors import FormatError
-from .raw import RawMesh
-from .text import Lines, content_lines, polygon_corners, table
+from ..mesh import Floats, Ints
+from .raw import RawMesh, from_polygons
+
+Line = tuple[int, str]  # number of the line, from 1, and its text
 
 
 def read_obj(data: bytes) -> RawMesh:
     """Read vertices in the order of the file and faces of any size; negative numbers count backwards."""
-    if b"\\" in data:
-        data = re.sub(rb"\\[ \t]*\r?\n", b" ", data)  # a line that goes on in the next
-    lines = content_lines(data)
-    lines.text = [line.lstrip() for line in lines.text]
-    points, rows = _starting(lines, "v"), _starting(lines, "f")
-    vertices = table(points, range(1, 4), np.float64, "vertex")
-    if len(rows):
-        # "7/3/2" names vertex 7, texture point 3, normal 2.
-        rows.text = re.sub(r"/[^\s]*", "", "\n".join(rows.text)).split("\n")
-    sizes = np.array([len(line.split()) - 1 for line in rows.text], dtype=np.int64)
-    corners = polygon_corners(rows, sizes, 1)
-    owner = np.repeat(np.arange(len(sizes)), sizes)
-    zero = np.flatnonzero(corners == 0)
-    if len(zero):
-        raise FormatError(
-            f"line {rows.numbers[owner[zero[0]]]}: a face names vertex 0, but OBJ counts from 1. "
-            "Correct the program that wrote the file."
-        )
-    if (corners < 0).any():
-        before = np.searchsorted(points.numbers, rows.numbers)[owner]
-        corners = np.where(corners < 0, before + corners, corners - 1)
-    else:
-        corners = corners - 1
-    return RawMesh(vertices, sizes, corners)
+    text = data.decode("latin-1").replace("\r\n", "\n").replace("\r", "\n")
+    text = re.sub(r"#.*", "", re.sub(r"\\[ \t]*\n", " ", text))  # a line that goes on in the next; comments
+    lines = [(number, line.lstrip()) for number, line in enumerate(text.split("\n"), 1)]
+    points = [line for line in lines if line[1].startswith(("v ", "v\t"))]
+    faces = [line for line in lines if line[1].startswith(("f ", "f\t"))]
+    try:
+        rows = [line for _, line in points]
+        vertices: Floats = np.loadtxt(rows, usecols=(1, 2, 3), ndmin=2) if rows else np.zeros((0, 3))
+    except ValueError as error:
+        raise _first_bad(points, r"v(\s+[-+.\deE]+){3}.*", "a vertex needs 3 numbers") from error
+    # "7/3/2" names vertex 7, texture point 3, normal 2.
+    words = [re.sub(r"/\S*", "", line).split()[1:] for _, line in faces]
+    sizes = np.array([len(row) for row in words], dtype=np.int64)
+    try:
+        corners: Ints = np.array([int(word) for word in chain.from_iterable(words)], dtype=np.int64)
+    except (ValueError, OverflowError) as error:
+        raise _first_bad(faces, r"f(\s+-?\d{1,18}(/\S*)?)*\s*", "a face needs whole numbers") from error
+    if (corners == 0).any():
+        raise _first_bad(faces, r"f(\s+-?0*[1-9]\S*)*\s*", "a face names vertex 0, but OBJ counts from 1")
+    before = np.searchsorted([number for number, _ in points], [number for number, _ in faces])
+    corners = np.where(corners < 0, np.repeat(before, sizes) + corners, corners - 1)
+    return from_polygons(vertices, sizes, corners)
 
 
-def _starting(lines: Lines, key: str) -> Lines:
-    starts = (key + " ", key + "\t")
-    return lines.pick(np.flatnonzero([line.startswith(starts) for line in lines.text]))
+def _first_bad(lines: list[Line], good: str, what: str) -> FormatError:
+    number, line = next((line for line in lines if not re.fullmatch(good, line[1])), lines[0])
+    return FormatError(f"line {number}: {what}, found {line.strip()[:40]!r}. The file is damaged: export it again.")

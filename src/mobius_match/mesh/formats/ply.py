@@ -1,196 +1,146 @@
-"""PLY, text and binary, with any further elements and properties."""
+"""PLY, text and binary, read by trimesh under a header that names nothing but coordinates and corners.
+
+trimesh splits vertices by texture coordinates, expects the format on the second line, and takes binary faces
+of different lengths for equal ones: such faces are read here, one after the other.
+"""
 
 from __future__ import annotations
 
+import io
 import re
-from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...errors import FormatError
-from ..mesh import Floats, Ints
-from .raw import RawMesh
-from .text import Lines, content_lines, decode, polygon_corners, promised, table, whole_numbers
+from ..mesh import Ints
+from .raw import RawMesh, from_polygons, promised
 
 TYPES = {
     "char": "i1", "uchar": "u1", "short": "i2", "ushort": "u2", "int": "i4", "uint": "u4",
-    "float": "f4", "double": "f8",
-    "int8": "i1", "uint8": "u1", "int16": "i2", "uint16": "u2", "int32": "i4", "uint32": "u4", "int64": "i8",
-    "uint64": "u8", "float32": "f4", "float64": "f8",
+    "float": "f4", "double": "f8", "int8": "i1", "uint8": "u1", "int16": "i2", "uint16": "u2",
+    "int32": "i4", "uint32": "u4", "int64": "i8", "uint64": "u8", "float32": "f4", "float64": "f8",
 }  # fmt: skip
-ORDERS = {"ascii": "", "binary_little_endian": "<", "binary_big_endian": ">"}
-INDEX_NAMES = ("vertex_indices", "vertex_index")
-
-
-@dataclass
-class Element:
-    """One block of rows: each property is (name, type, type of the count or "" where it is no list)."""
-
-    name: str
-    count: int
-    properties: list[tuple[str, str, str]] = field(default_factory=list)
-
-    def column(self, name: str) -> int:
-        """Place of a property in a row of text; lists may stand only behind it."""
-        place = [known for known, _, _ in self.properties].index(name)
-        if any(count for _, _, count in self.properties[:place]):
-            raise FormatError(
-                f"property {name} stands behind a list; export with plain vertices and faces only."
-            )
-        return place
+CORNERS = "vertex_indices"
+Properties = list[tuple[str, str, str]]  # name, type, type of the count ("" where it is no list)
 
 
 def read_ply(data: bytes) -> RawMesh:
-    """Read the vertex and face elements, skip all others."""
-    end = re.search(rb"\bend_header[ \t]*(\r\n|\n|\r)", data)
-    if not data.startswith(b"ply") or end is None:
-        raise FormatError(
-            "not a PLY file, or cut short within its header (no end_header line). Export it again."
-        )
-    order, elements = _header(decode(data[: end.start()]))
-    names = [element.name for element in elements]
-    for name, wanted in (("vertex", {"x", "y", "z"}), ("face", set(INDEX_NAMES))):
-        if name not in names:
-            raise FormatError(
-                f"the header has no {name} element; a surface with vertices and faces is needed."
-            )
-        found = wanted & {known for known, _, _ in elements[names.index(name)].properties}
-        if not found or (name == "vertex" and found != wanted):
-            raise FormatError(f"the {name} element lacks its properties {' '.join(sorted(wanted))}.")
-    return _text(data, end.end(), elements) if not order else _binary(data, end.end(), elements, order)
+    """Read the vertex and face elements."""
+    head = re.match(rb"ply[ \t]*\r?\n.*?\bend_header[ \t]*\r?\n", data, re.DOTALL)
+    if head is None:
+        raise FormatError("not a PLY file, or cut short: no end_header line. Export it again.")
+    kind, elements = _header(head[0].decode("latin-1").splitlines())
+    body = data[head.end() :]
+    for name, wanted in (("vertex", {"x", "y", "z"}), ("face", {CORNERS})):
+        if not wanted <= {known for known, _, _ in elements.get(name, (0, []))[1]}:
+            raise FormatError(f"the header lacks a {name} element with {' '.join(sorted(wanted))}.")
+    column = [known for known, _, _ in elements["face"][1]].index(CORNERS)
+    if any(count for _, _, count in elements["face"][1][:column]):
+        raise FormatError("the corners of faces stand behind a list; export plain vertices and faces.")
+    if kind == "ascii":
+        return _text([row for row in body.splitlines() if row.strip()], elements, column)
+    least = sum(
+        length * sum(np.dtype(count or TYPES[kind]).itemsize for _, kind, count in properties)
+        for length, properties in elements.values()
+    )
+    promised(least, "bytes at least", len(body), "bytes")
+    try:
+        found = _load(kind, elements, body)
+        faces = found["face"]["data"][CORNERS]
+        if (faces["f0"] == faces["f1"].shape[1]).all():
+            return _polygons(found, faces["f1"])
+    except (ValueError, KeyError, TypeError, IndexError):  # lists of different lengths, or bytes at the end
+        if list(elements)[:2] != ["vertex", "face"] or any(count for _, _, count in elements["vertex"][1]):
+            raise
+    rest = dict(list(elements.items())[:1])
+    width = sum(np.dtype(TYPES[kind]).itemsize for _, kind, _ in elements["vertex"][1])
+    start = width * elements["vertex"][0]
+    return _polygons(_load(kind, rest, body[:start]), _walk(body, start, kind, *elements["face"]))
 
 
-def _header(lines: list[str]) -> tuple[str, list[Element]]:
-    order = None
-    elements: list[Element] = []
-    for number, line in enumerate(lines, 1):
-        words = line.split()
-        match words:
-            case ["format", kind, _] if kind in ORDERS:
-                order = ORDERS[kind]
-            case ["element", name, count]:
-                elements.append(Element(name, whole_numbers(count, number, "a count")[0]))
-            case ["property", kind, name] if kind in TYPES and elements:
-                elements[-1].properties.append((name, TYPES[kind], ""))
-            case ["property", "list", count, kind, name] if {count, kind} <= set(TYPES) and elements:
-                elements[-1].properties.append((name, TYPES[kind], TYPES[count]))
-            case [] | ["ply" | "comment" | "obj_info", *_]:
+def _header(lines: list[str]) -> tuple[str, dict[str, tuple[int, Properties]]]:
+    kind, elements, name = "", dict[str, tuple[int, Properties]](), ""
+    for number, line in enumerate(lines[1:-1], 2):
+        match line.split():
+            case ["format", "ascii" | "binary_little_endian" | "binary_big_endian" as kind, _]:
+                pass
+            case ["element", name, count] if count.isdigit() and len(count) < 16 and name not in elements:
+                elements[name] = (int(count), list[tuple[str, str, str]]())
+            case ["property", *counts, value, known] if name and {value, *counts[1:]} <= set(TYPES):
+                known = CORNERS if known == "vertex_index" else known
+                elements[name][1].append((known, value, TYPES[counts[1]] if len(counts) == 2 else ""))
+            case [] | ["comment" | "obj_info", *_]:
                 pass
             case _:
-                raise FormatError(
-                    f"line {number}: {line[:60]!r} is not understood in the header of a PLY file."
-                )
-    if order is None:
+                raise FormatError(f"line {number}: {line[:60]!r} is not understood in the header.")
+    if not kind:
         raise FormatError("the header has no format line (ascii, binary_little_endian or binary_big_endian).")
-    return order, elements
+    return kind, elements
 
 
-def _text(data: bytes, start: int, elements: list[Element]) -> RawMesh:
-    skipped = len(decode(data[:start])) - 1
-    body = content_lines(data[start:])
-    body.numbers = [number + skipped for number in body.numbers]
-    promised(sum(element.count for element in elements), "rows", len(body), "lines")
-    vertices, sizes, corners = np.zeros((0, 3)), np.zeros(0, np.int64), np.zeros(0, np.int64)
-    at = 0
-    for element in elements:
-        rows = body.take(at, at + element.count)
-        at += element.count
-        if element.name == "vertex":
-            places = [element.column(axis) for axis in "xyz"]
-            vertices = table(rows, places, np.float64, "vertex")
-        elif element.name == "face":
-            sizes, corners = _text_faces(rows, element)
-    return RawMesh(vertices, sizes, corners)
+def _load(kind: str, elements: dict[str, tuple[int, Properties]], body: bytes) -> Any:
+    """What trimesh makes of the elements, those that are not needed under names without meaning."""
+    from trimesh.exchange.ply import load_ply
+
+    lines = ["ply", f"format {kind} 1.0"]
+    names = {value: key for key, value in TYPES.items()}
+    for k, (element, (length, properties)) in enumerate(elements.items()):
+        lines.append(f"element {element if element in ('vertex', 'face') else f'other{k}'} {length}")
+        for j, (name, value, count) in enumerate(properties):
+            keep = name in (("x", "y", "z") if element == "vertex" else (CORNERS,))
+            lines.append(f"property {f'list {names[count]} ' if count else ''}{value} {name if keep else f'other{j}'}")
+    header = "\n".join([*lines, "end_header\n"]).encode()
+    loaded = load_ply(io.BytesIO(header + body), fix_texture=False, skip_materials=True)
+    return {**loaded["metadata"]["_ply_raw"], "vertices": loaded.get("vertices", np.zeros((0, 3)))}
 
 
-def _text_faces(rows: Lines, element: Element) -> tuple[Ints, Ints]:
-    name = next(known for known, _, _ in element.properties if known in INDEX_NAMES)
-    place = element.column(name)
-    sizes: Ints = table(rows, [place], np.int64, "face")[:, 0]
-    return sizes, polygon_corners(rows, sizes, place + 1)
+def _text(rows: list[bytes], elements: dict[str, tuple[int, Properties]], column: int) -> RawMesh:
+    promised(sum(count for count, _ in elements.values()), "rows", len(rows), "rows")
+    first, parts = 0, {}
+    for name, (count, _) in elements.items():
+        parts[name] = rows[first : first + count]
+        first += count
+    faces = [row.split()[column:] for row in parts["face"]]
+    for number, face in enumerate(faces):
+        _complete(number, int(face[0]), min(int(face[0]), len(face) - 1))
+    # Rows end with the corners, as trimesh confuses what stands behind them where there is one row alone.
+    body = b"\n".join([*parts["vertex"], *(b" ".join(face[: int(face[0]) + 1]) for face in faces)])
+    corners = elements["face"][1][column]
+    found = _load("ascii", {"vertex": elements["vertex"], "face": (len(faces), [corners])}, body)
+    return _polygons(found, found["face"]["data"][CORNERS] if faces else [])
 
 
-def _binary(data: bytes, at: int, elements: list[Element], order: str) -> RawMesh:
-    vertices, sizes, corners = np.zeros((0, 3)), np.zeros(0, np.int64), np.zeros(0, np.int64)
-    for element in elements:
-        least = sum(np.dtype(count or kind).itemsize for _, kind, count in element.properties)
-        promised(element.count * least, f"bytes of {element.name} data at least", len(data) - at, "bytes")
-        rows, at = _uniform(data, at, element, order)
-        if rows is not None:
-            if element.name == "vertex":
-                vertices = _columns(rows)
-            elif element.name == "face":
-                name = next(known for known in rows.dtype.names or () if known in INDEX_NAMES)
-                index = rows[name]
-                sizes = np.full(len(rows), index.shape[1], dtype=np.int64)
-                corners = index.astype(np.int64).ravel()
-            continue
-        found, at = _walk(data, at, element, order)
-        if element.name == "face":
-            sizes = np.array([len(row) for row in found], dtype=np.int64)
-            corners = np.concatenate([*found, np.zeros(0, dtype=np.int64)]).astype(np.int64)
-        elif element.name == "vertex":
-            raise FormatError("vertices with lists of varying length cannot be read; export plain vertices.")
-    return RawMesh(vertices, sizes, corners)
+def _polygons(found: Any, faces: Any) -> RawMesh:
+    if isinstance(faces, np.ndarray) and faces.ndim == 2:
+        sizes, corners = np.full(len(faces), faces.shape[1]), faces.ravel()
+    else:
+        sizes = np.array([len(face) for face in faces], dtype=np.int64)
+        corners = np.concatenate([np.zeros(0, dtype=np.int64), *faces])
+    return from_polygons(found["vertices"], sizes, corners.astype(np.int64))
 
 
-def _columns(rows: NDArray[np.void]) -> Floats:
-    return np.stack([rows[axis].astype(np.float64) for axis in "xyz"], axis=1)
+def _complete(face: int, wanted: int, found: int) -> None:
+    if wanted != found:
+        raise FormatError(
+            f"face {face} (counting from 0) should have {wanted} corners, but {found} follow before the end "
+            "of its row or of the file. It is damaged or was cut short: export it again."
+        )
 
 
-def _uniform(data: bytes, at: int, element: Element, order: str) -> tuple[NDArray[np.void] | None, int]:
-    """All rows at once if the lists of every row are as long as those of the first; else None, and `at`."""
-    fields: list[tuple[str, str] | tuple[str, str, tuple[int]]] = []
-    place = at
-    for name, kind, count in element.properties:
-        if count:
-            if not element.count:
-                length = 0
-            else:
-                length = int(_number(data, place, order + count))
-            place += np.dtype(count).itemsize + max(length, 0) * np.dtype(kind).itemsize
-            if length < 0 or place > len(data):
-                return None, at
-            fields += [(f"count of {name}", order + count), (name, order + kind, (length,))]
-        else:
-            place += np.dtype(kind).itemsize
-            fields.append((name, order + kind))
-    dtype = np.dtype(fields)
-    stop = at + dtype.itemsize * element.count
-    if stop > len(data):
-        return None, at
-    if not dtype.itemsize:
-        return np.zeros(0, dtype), at
-    rows = np.frombuffer(data, dtype, element.count, at)
-    for name, _, count in element.properties:
-        if count and (rows[f"count of {name}"] != rows[name].shape[1]).any():
-            return None, at
-    return rows, stop
-
-
-def _walk(data: bytes, at: int, element: Element, order: str) -> tuple[list[NDArray], int]:
-    """Row by row, for lists of different lengths: the vertex numbers of each row, and where the rows end."""
-    found = []
-    for row in range(element.count):
-        for name, kind, count in element.properties:
-            length, width = 1, np.dtype(kind).itemsize
+def _walk(body: bytes, at: int, kind: str, length: int, properties: Properties) -> list[Ints]:
+    """The corners of binary faces, row by row."""
+    order = "<" if "little" in kind else ">"
+    faces = []
+    for face in range(length):
+        for name, value, count in properties:
+            dtype, size = np.dtype(order + TYPES[value]), 1
             if count:
-                length = int(_number(data, at, order + count))
-                at += np.dtype(count).itemsize
-            if length < 0 or at + length * width > len(data):
-                raise FormatError(
-                    f"{element.name} {row} (counting from 0): a list of {length} reaches beyond the end "
-                    "of the file. "
-                    "It is damaged or was cut short: export it again."
-                )
-            if name in INDEX_NAMES:
-                found.append(np.frombuffer(data, order + kind, length, at))
-            at += length * width
-    return found, at
-
-
-def _number(data: bytes, at: int, kind: str) -> float:
-    if at + np.dtype(kind).itemsize > len(data):
-        raise FormatError("the data end within a list. The file was cut short: export it again.")
-    return np.frombuffer(data, kind, 1, at)[0].item()
+                size = int.from_bytes(body[at : at + int(count[1])], "little" if order == "<" else "big", signed=False)
+                at += int(count[1])
+            left = max(len(body) - at, 0) // dtype.itemsize
+            _complete(face, size, min(size, left))
+            if name == CORNERS:
+                faces.append(np.frombuffer(body, dtype, size, at))
+            at += size * dtype.itemsize
+    return faces

@@ -1,12 +1,11 @@
-"""What every reader returns, and how its polygons become triangles."""
+"""What every reader returns, how its polygons become triangles, and the check of what a header promises."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike
 
 from ...errors import FormatError
 from ..mesh import Floats, Ints
@@ -14,57 +13,57 @@ from ..mesh import Floats, Ints
 
 @dataclass
 class RawMesh:
-    """Vertices and polygons in the order of the file, nothing checked yet.
-
-    `sizes` (F,) holds the number of corners of each polygon, `corners` (sum of sizes,) all vertex numbers
-    in a row.
-    """
+    """Vertices in the order of the file and triangles, each with the number of its face in the file."""
 
     vertices: Floats
-    sizes: Ints
-    corners: Ints
+    faces: Ints
+    face_ids: Ints
+    n_faces: int
     notes: list[str] = field(default_factory=list)
 
 
-def equal_polygons(vertices: NDArray[Any], faces: NDArray[Any], notes: list[str] | None = None) -> RawMesh:
-    """A `RawMesh` from a plain (m, k) array of faces."""
-    sizes = np.full(len(faces), faces.shape[1], dtype=np.int64)
-    corners = np.ascontiguousarray(faces, dtype=np.int64).ravel()
-    return RawMesh(np.asarray(vertices, dtype=np.float64), sizes, corners, notes or [])
-
-
-def check_corners(raw: RawMesh) -> None:
-    """Refuse polygons with vertex numbers out of range, by the file's own face number."""
-    n = len(raw.vertices)
-    bad = np.flatnonzero((raw.corners < 0) | (raw.corners >= n))
+def from_triangles(
+    vertices: ArrayLike, faces: ArrayLike, sizes: Ints | None = None, notes: list[str] | None = None
+) -> RawMesh:
+    """Triangles that are the fans of polygons with `sizes` corners (F,), or the file's own faces if None."""
+    faces = np.asarray(faces, dtype=np.int64).reshape(-1, 3)
+    sizes, notes = np.full(len(faces), 3) if sizes is None else sizes, notes or []
+    lines, polygons = int(np.count_nonzero(sizes < 3)), sizes[sizes > 3]
+    if lines:
+        notes.append(f"{lines} face(s) with fewer than 3 corners left out.")
+    if len(polygons):
+        cut = int((polygons - 2).sum())
+        notes.append(f"{len(polygons)} polygon(s) with more than 3 corners cut into {cut} triangles.")
+    face_ids = np.repeat(np.arange(len(sizes)), np.maximum(sizes - 2, 0))
+    raw = RawMesh(np.asarray(vertices, dtype=np.float64), faces, face_ids, len(sizes), notes)
+    bad = np.flatnonzero(((faces < 0) | (faces >= len(raw.vertices))).any(axis=1))
     if len(bad):
-        owner = np.repeat(np.arange(len(raw.sizes)), raw.sizes)[bad]
+        wrong = faces[bad[0]][(faces[bad[0]] < 0) | (faces[bad[0]] >= len(raw.vertices))][0]
         raise FormatError(
-            f"face {owner[0]} (counting from 0) names vertex {raw.corners[bad[0]]}, but there are {n} "
-            "vertices, "
-            f"numbered 0 to {n - 1}; {len(np.unique(owner))} of {len(raw.sizes)} faces are wrong in this "
-            "way. "
+            f"face {face_ids[bad[0]]} (counting from 0) names vertex {wrong}, but there are "
+            f"{len(raw.vertices)} vertices, numbered 0 to {len(raw.vertices) - 1}; "
+            f"{len(np.unique(face_ids[bad]))} of {len(sizes)} faces are wrong in this way. "
             "The file is damaged or was cut short: export it again."
         )
+    return raw
 
 
-def triangulate(raw: RawMesh) -> tuple[Ints, Ints, list[str]]:
-    """Cut polygons into fans around their first corner: triangles, the polygon of each, and notes.
+def from_polygons(vertices: ArrayLike, sizes: Ints, corners: Ints, notes: list[str] | None = None) -> RawMesh:
+    """Polygons with `sizes` corners (F,), all vertex numbers in a row in `corners`, cut into fans.
 
     A fan depends on the numbering alone, so that two poses of one mesh get the same triangles.
     """
-    notes = []
-    lines = int(np.count_nonzero(raw.sizes < 3))
-    if lines:
-        notes.append(f"{lines} face(s) with fewer than 3 corners left out.")
-    polygons = int(np.count_nonzero(raw.sizes > 3))
-    pieces = np.maximum(raw.sizes - 2, 0)
-    face_ids = np.repeat(np.arange(len(raw.sizes)), pieces)
-    start = np.cumsum(raw.sizes) - raw.sizes
-    step = np.arange(len(face_ids)) - np.repeat(np.cumsum(pieces) - pieces, pieces)
-    first = start[face_ids]
-    faces = raw.corners[np.stack([first, first + step + 1, first + step + 2], axis=1)]
-    if polygons:
-        cut = int(pieces[raw.sizes > 3].sum())
-        notes.append(f"{polygons} polygon(s) with more than 3 corners cut into {cut} triangles.")
-    return faces, face_ids, notes
+    pieces = np.maximum(sizes - 2, 0)
+    first = np.repeat(np.cumsum(sizes) - sizes, pieces)
+    step = np.arange(len(first)) - np.repeat(np.cumsum(pieces) - pieces, pieces)
+    faces = corners[np.stack([first, first + step + 1, first + step + 2], axis=1)]
+    return from_triangles(vertices, faces, sizes, notes)
+
+
+def promised(count: int, what: str, found: int, unit: str) -> None:
+    """Refuse a header that promises more than the file can hold, before anything is allocated."""
+    if count > found:
+        raise FormatError(
+            f"the header promises {count} {what}, but only {found} {unit} follow. "
+            "The file is damaged or was cut short: export it again."
+        )

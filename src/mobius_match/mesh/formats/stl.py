@@ -1,51 +1,50 @@
-"""STL, text and binary. It has no vertex numbers, so equal corners are joined as they first appear."""
+"""STL, text and binary, read by trimesh. It has no vertex numbers: equal corners are joined as they appear."""
 
 from __future__ import annotations
+
+import io
+import re
 
 import numpy as np
 
 from ...errors import FormatError
 from ..measure import twins
-from ..mesh import Floats
-from .raw import RawMesh, equal_polygons
-from .text import content_lines, promised, table
+from .raw import RawMesh, from_triangles, promised
 
-TRIANGLE = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
+HEADER, TRIANGLE = 84, 50  # bytes
 
 
 def read_stl(data: bytes) -> RawMesh:
     """Read either kind; a file is binary where its length fits, whatever its first word says."""
     count = int.from_bytes(data[80:84], "little")
-    if data.lstrip()[:5].lower() == b"solid" and len(data) != 84 + TRIANGLE.itemsize * count:
-        return _weld(_text(data), [])
-    if len(data) < 84:
-        raise FormatError(
-            f"{len(data)} bytes are too few for an STL file. It was cut short: export it again."
-        )
-    promised(count, "triangles", (len(data) - 84) // TRIANGLE.itemsize, "whole triangles")
-    extra = len(data) - 84 - TRIANGLE.itemsize * count
-    notes = [f"{extra} byte(s) after the last triangle ignored."] if extra else []
-    return _weld(np.frombuffer(data, TRIANGLE, count, 84)["corners"].reshape(-1, 3), notes)
+    notes: list[str] = []
+    if data.lstrip()[:5].lower() == b"solid" and len(data) != HEADER + TRIANGLE * count:
+        # trimesh takes what it finds of a text that was cut short, and stumbles over names with "vertex".
+        data = re.sub(rb"(?i)^([ \t]*(?:end)?solid)\b.*", rb"\1", data, flags=re.M)
+        words = [w.lower() for w in re.findall(rb"(?im)^[ \t]*(facet|vertex|endfacet|endsolid)\b", data)]
+        facets, named, ends = (words.count(word) for word in (b"facet", b"vertex", b"endfacet"))
+        if not facets == ends == named / 3 or b"endsolid" not in words:
+            raise FormatError(
+                f"{facets} facets begin, {ends} end and there are {named} corners, "
+                f"{'with' if b'endsolid' in words else 'without'} an endsolid line. "
+                "The file is damaged or was cut short: export it again."
+            )
+    else:
+        if len(data) < HEADER:
+            raise FormatError(f"{len(data)} bytes are too few for STL. It was cut short: export it again.")
+        promised(count, "triangles", (len(data) - HEADER) // TRIANGLE, "whole triangles")
+        extra = len(data) - HEADER - TRIANGLE * count
+        if extra:
+            notes = [f"{extra} byte(s) after the last triangle ignored."]
+            data = data[:-extra]
+    from trimesh.exchange.stl import load_stl
 
-
-def _text(data: bytes) -> Floats:
-    lines = content_lines(data)
-    words = [line.split(maxsplit=1)[0].lower() for line in lines.text]
-    corners = lines.pick(np.flatnonzero([word == "vertex" for word in words]))
-    facets = words.count("endfacet")
-    if len(corners) != 3 * facets or words.count("facet") != facets or "endsolid" not in words:
-        raise FormatError(
-            f"{words.count('facet')} facets begin, {facets} end and there are {len(corners)} corners, "
-            f"{'with' if 'endsolid' in words else 'without'} an endsolid line. "
-            "The file is damaged or was cut short: export it again."
-        )
-    return table(corners, range(1, 4), np.float64, "vertex")
-
-
-def _weld(corners: Floats, notes: list[str]) -> RawMesh:
+    loaded = load_stl(io.BytesIO(data))
+    solids = loaded["geometry"].values() if "geometry" in loaded else [loaded]
+    corners = np.concatenate([np.zeros((0, 3)), *(solid["vertices"] for solid in solids)])
     first, face = np.unique(twins(corners), return_inverse=True)
     notes.append(
         f"STL has no vertex numbers: {len(corners)} corners joined to {len(first)} vertices with different "
         "coordinates, numbered in order of appearance."
     )
-    return equal_polygons(corners[first], face.reshape(-1, 3), notes)
+    return from_triangles(corners[first], face, None, notes)

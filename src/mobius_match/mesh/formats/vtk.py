@@ -1,168 +1,136 @@
-"""Legacy VTK files (.vtk), text or binary."""
+"""VTK files, read by meshio: legacy .vtk, and .vtp and .vtu in XML.
+
+meshio knows unstructured grids alone, so PolyData is handed over as a grid of polygons. Of several pieces
+it keeps only the last one's cells, so those are refused.
+"""
 
 from __future__ import annotations
 
+import contextlib
+import io
 import re
+import tempfile
+from pathlib import Path
+from typing import Any
+from xml.etree import ElementTree
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...errors import FormatError
-from ..mesh import Ints
-from .raw import RawMesh
-from .text import promised
+from .raw import RawMesh, from_polygons, promised
 
-TYPES = {
-    "float": "f4", "double": "f8", "int": "i4", "unsigned_int": "u4", "long": "i8", "unsigned_long": "u8",
-    "short": "i2", "unsigned_short": "u2", "char": "i1", "unsigned_char": "u1",
-    "vtktypeint64": "i8", "vtkidtype": "i4",
-}  # fmt: skip
-SURFACE_CELLS = {5: 3, 7: 0, 9: 4}  # triangle, polygon (any size), quadrilateral
-POINTS_AND_LINES = (1, 2, 3, 4)
-
-
-class Cursor:
-    """Moves through a legacy file, line by line and array by array."""
-
-    def __init__(self, data: bytes, binary: bool, at: int) -> None:
-        self.data, self.binary, self.at = data, binary, at
-
-    def words(self) -> list[str]:
-        """The next line that is not empty; [] at the end."""
-        while self.at < len(self.data):
-            end = self.data.find(b"\n", self.at)
-            end = len(self.data) if end < 0 else end
-            line = self.data[self.at : end].decode("latin-1").split()
-            self.at = end + 1
-            if line:
-                return line
-        return []
-
-    def array(self, count: int, kind: str) -> NDArray:
-        """The next `count` numbers."""
-        if kind.lower() not in TYPES:
-            raise FormatError(f"numbers of type {kind[:40]!r} cannot be read.")
-        dtype = np.dtype(">" + TYPES[kind.lower()])
-        left = len(self.data) - self.at
-        if self.binary:
-            promised(count * dtype.itemsize, "bytes of numbers", left, "bytes")
-            out = np.frombuffer(self.data, dtype, count, self.at)
-            self.at += count * dtype.itemsize
-            return out.astype(np.float64 if dtype.kind == "f" else np.int64)
-        promised(count, "numbers", left // 2 + 1, "at most")
-        stop = re.compile(rb"\n\s*(?!nan|inf)[A-Za-z]", re.IGNORECASE).search(self.data, self.at - 1)
-        end = stop.start() if stop else len(self.data)
-        words = self.data[self.at : end].split()
-        promised(count, "numbers", len(words), "numbers")
-        self.at = end
-        return np.array(words[:count], dtype=bytes).astype(np.float64 if dtype.kind == "f" else np.int64)
+SECTION = re.compile(
+    rb"(?im)^(POINTS|VERTICES|LINES|POLYGONS|TRIANGLE_STRIPS|CELLS|CELL_TYPES|FIELD|POINT_DATA|CELL_DATA)"
+    rb"[ \t]+(\w{1,40})(?:[ \t]+(\w{1,40}))?[ \t]*$"
+)
+SURFACES, LOWER = ("triangle", "quad", "polygon"), ("vertex", "line")
 
 
 def read_vtk(data: bytes) -> RawMesh:
-    """Read the polygons of a POLYDATA or UNSTRUCTURED_GRID file, versions 1 to 5."""
-    head = re.match(
-        rb"# vtk DataFile Version (\d+)[^\n]*\n[^\n]*\n\s*(ASCII|BINARY)\s*\n", data, re.IGNORECASE
-    )
+    """Read the polygons of a legacy file: POLYDATA or UNSTRUCTURED_GRID, text or binary."""
+    head = re.match(rb"(?i)# vtk DataFile Version [^\n]*\n[^\n]*\n\s*(ASCII|BINARY)\s*\nDATASET +(\w+)\s*\n", data)
     if head is None:
+        raise FormatError("not a legacy VTK file: '# vtk DataFile Version', title, kind and DATASET expected.")
+    text, grid = head[1].upper() == b"ASCII", head[2].upper() == b"UNSTRUCTURED_GRID"
+    if not grid and head[2].upper() != b"POLYDATA":
+        raise FormatError(f"{head[2][:40].decode('latin-1')} is not a surface; save it as PolyData.")
+    data = data.replace(b"\r\n", b"\n") if text else data
+    found = list(SECTION.finditer(data))
+    stops = [section.start() for section in found[1:]] + [len(data)]
+    # The first of each name: what stands behind POINT_DATA is of no interest.
+    sections = {
+        section[1].upper(): (section[2], section[3] or b"0", data[section.start() : stop])
+        for section, stop in reversed(list(zip(found, stops, strict=True)))
+    }
+    if b"TRIANGLE_STRIPS" in sections:
+        raise FormatError("triangle strips are not read: apply a triangle filter and save again.")
+    name = b"CELLS" if grid else b"POLYGONS"
+    wanted = [b"POINTS", name, b"CELL_TYPES"] if grid else [b"POINTS", name]
+    for key in wanted:
+        if key not in sections:
+            raise FormatError(f"the file has no {key.decode()} or was cut short before: export it again.")
+        first, second, body = sections[key]
+        second = b"0" if key == b"POINTS" else second
+        if not (first.isdigit() and second.isdigit()):
+            raise FormatError(f"{body[:60].splitlines()[0].decode('latin-1')!r} does not give a count.")
+        numbers = max(int(first) * (3 if key == b"POINTS" else 1), int(second))
+        promised(numbers, f"numbers for {key.decode()}", len(body), "bytes")
+    out = b"".join(sections[key][2] + b"\n" for key in wanted)
+    count, size = int(sections[name][0]), int(sections[name][1])
+    offsets = b"OFFSETS" in sections[name][2][:80].upper()
+    count -= offsets
+    if not grid:
+        kind = 5 if size == (3 if offsets else 4) * count else 7  # polygons of any size take longer
+        kinds = b"%d " % kind * count if text else np.full(count, kind, ">i4").tobytes()
+        out = re.sub(rb"(?im)^POLYGONS", b"CELLS", out, count=1) + b"CELL_TYPES %d\n%b\n" % (count, kinds)
+    return _meshio(data[: data.index(b"\n", head.start(1)) + 1] + b"DATASET UNSTRUCTURED_GRID\n" + out, "vtk", count)
+
+
+def read_vtkxml(data: bytes) -> RawMesh:
+    """Read the polygons of a .vtp or .vtu file with one piece: text, base64 or appended, also compressed."""
+    if b"<!DOCTYPE" in data or b"<!ENTITY" in data:
+        raise FormatError("document types and entities have no place in a VTK file.")
+    appended = re.search(rb"(?s)<AppendedData[^>]*raw[^>]*>\s*_(.*?)\n?[ \t]*</AppendedData>\s*</VTKFile>", data)
+    text = data[: appended.start(1)] + data[appended.end(1) :] if appended else data
+    root = ElementTree.fromstring(text)
+    kind, grid = root.get("type", ""), root.find("*")
+    pieces = root.findall("*/Piece")
+    if kind not in ("PolyData", "UnstructuredGrid") or grid is None or len(pieces) != 1:
         raise FormatError(
-            "not a legacy VTK file: its first lines must be '# vtk DataFile Version', a title and a kind."
+            f"{kind[:40]!r} with {len(pieces)} piece(s) is not a surface; save it as PolyData in one piece."
         )
-    cursor = Cursor(data, head[2].upper() == b"BINARY", head.end())
-    dataset = cursor.words()
-    if len(dataset) != 2 or dataset[1].upper() not in ("POLYDATA", "UNSTRUCTURED_GRID"):
-        raise FormatError(f"{' '.join(dataset)[:60]!r} is not a surface; save it as PolyData.")
-    points = np.zeros((0, 3))
-    cells: tuple[Ints, Ints] = np.zeros(0, np.int64), np.zeros(0, np.int64)
-    kinds: Ints | None = None
-    while words := cursor.words():
-        match [words[0].upper(), *words[1:]]:
-            case ["POINTS", count, kind]:
-                points = cursor.array(3 * _count(count), kind).astype(np.float64).reshape(-1, 3)
-            case ["POLYGONS" | "CELLS", count, size]:
-                cells = _cells(cursor, _count(count), _count(size))
-            case ["VERTICES" | "LINES", count, size]:
-                _cells(cursor, _count(count), _count(size))
-            case ["CELL_TYPES", count]:
-                kinds = cursor.array(_count(count), "int")
-            case ["TRIANGLE_STRIPS", *_]:
-                raise FormatError("triangle strips are not read: apply a triangle filter and save again.")
-            case ["FIELD", _, count]:
-                for _ in range(min(_count(count), len(data))):
-                    match cursor.words():
-                        case [_, width, length, kind]:
-                            cursor.array(_count(width) * _count(length), kind)
-                        case _:
-                            raise FormatError("a FIELD array without name, sizes and type.")
-            case ["METADATA"]:
-                end = data.find(b"\n\n", cursor.at - 1)
-                cursor.at = len(data) if end < 0 else end + 2
-            case ["POINT_DATA" | "CELL_DATA", *_]:
-                break
-            case _:
-                raise FormatError(f"{' '.join(words)[:60]!r} is not understood in a legacy VTK file.")
-    return surface(points, *cells, kinds)
+    piece = pieces[0]
+    counts = {key: int(value) for key, value in piece.attrib.items() if value.isdigit()}
+    promised(max(counts.values(), default=0), "points or cells", len(data), "bytes")
+    if counts.get("NumberOfStrips"):
+        raise FormatError("triangle strips are not read: apply a triangle filter and save again.")
+    spare = ElementTree.SubElement(grid, "FieldData")
+    for group in list(piece):
+        if group.tag not in ("Points", "Polys", "Cells"):
+            # Kept as data of no meaning: meshio wants an owner for every appended array.
+            piece.remove(group)
+            spare.extend(group)
+    if kind == "PolyData":
+        root.set("type", "UnstructuredGrid")
+        grid.tag = "UnstructuredGrid"
+        count = counts.get("NumberOfPolys", 0)
+        piece.set("NumberOfCells", str(count))
+        for cells in piece.findall("Polys"):
+            cells.tag = "Cells"
+            types = ElementTree.SubElement(cells, "DataArray", type="UInt8", Name="types", format="ascii")
+            types.text = "7 " * count
+    out = ElementTree.tostring(root)
+    if appended:
+        out = re.sub(rb"_\s*</AppendedData>", lambda _: b"_" + appended[1] + b"\n</AppendedData>", out)
+    return _meshio(out, "vtu", int(piece.get("NumberOfCells", "0")))
 
 
-def _count(word: str) -> int:
-    if not (word.isascii() and word.isdigit() and len(word) < 16):
-        raise FormatError(f"expected a count, found {word[:40]!r}.")
-    return int(word)
+def _meshio(data: bytes, kind: str, count: int) -> RawMesh:
+    """What meshio reads from these bytes; they go through a file because it reads from nothing else."""
+    import meshio
 
-
-def _cells(cursor: Cursor, count: int, size: int) -> tuple[Ints, Ints]:
-    """Sizes and corners of cells: before version 5 rows k i1 ... ik, since then offsets and numbers."""
-    mark = cursor.at
-    words = cursor.words()
-    if words and words[0].upper() == "OFFSETS" and len(words) == 2:
-        offsets = cursor.array(count, words[1])
-        words = cursor.words()
-        if len(words) != 2 or words[0].upper() != "CONNECTIVITY":
+    with tempfile.TemporaryDirectory() as folder, contextlib.redirect_stderr(io.StringIO()):
+        path = Path(folder) / f"mesh.{kind}"
+        path.write_bytes(data)
+        mesh: Any = {"vtk": meshio.vtk, "vtu": meshio.vtu}[kind].read(path)
+    place, lower, sizes, corners = 0, 0, [np.zeros(0, dtype=np.int64)], [np.zeros(0, dtype=np.int64)]
+    for block in mesh.cells:
+        cells = np.asarray(block.data, dtype=np.int64)
+        if block.type not in (*SURFACES, *LOWER):
             raise FormatError(
-                "OFFSETS without CONNECTIVITY. The file is damaged or was cut short: export it again."
+                f"{len(cells)} cell(s) of type {block.type} are neither triangles, quadrilaterals nor "
+                f"polygons (the first is cell {place}). Extract the surface and save it as PolyData."
             )
-        corners = cursor.array(size, words[1])
-        sizes = np.diff(offsets)
-        if len(offsets) and (offsets[0] != 0 or offsets[-1] != size or (sizes < 0).any()):
-            raise FormatError("OFFSETS do not fit CONNECTIVITY. The file is damaged: export it again.")
-        return sizes, corners
-    cursor.at = mark
-    flat = cursor.array(size, "int")
-    promised(count, "cells", size, "numbers")
-    starts = np.zeros(count, dtype=np.int64)
-    at = 0
-    if count and size == 4 * count and (flat[::4] == 3).all():
-        starts = np.arange(count) * 4
-    else:
-        for row in range(count):
-            if at >= size or flat[at] < 0 or at + flat[at] >= size:
-                raise FormatError(
-                    f"cell {row} (counting from 0) does not fit. The file is damaged: export it again."
-                )
-            starts[row] = at
-            at += int(flat[at]) + 1
-    inside = np.ones(size, dtype=bool)
-    inside[starts] = False
-    return flat[starts], flat[inside]
-
-
-def surface(points: NDArray, sizes: Ints, corners: Ints, kinds: Ints | None) -> RawMesh:
-    """The polygons among cells of the given VTK types: points and lines are left out, solid cells refused."""
-    if kinds is None:
-        return RawMesh(points, sizes, corners)
-    if len(kinds) != len(sizes):
+        place += len(cells)
+        if block.type in LOWER:
+            # Faces keep the number of their cell: a cell without a surface becomes a face without corners.
+            lower += len(cells)
+            cells = cells[:, :0]
+        sizes.append(np.full(len(cells), cells.shape[1]))
+        corners.append(cells.ravel())
+    if place != count:
         raise FormatError(
-            f"{len(sizes)} cells but {len(kinds)} cell types. The file is damaged: export it again."
+            f"{count} cells are promised, {place} can be read. Save the surface as PolyData, or export again."
         )
-    wrong = ~np.isin(kinds, [*SURFACE_CELLS, *POINTS_AND_LINES])
-    if wrong.any():
-        raise FormatError(
-            f"{wrong.sum()} cell(s) are neither triangles, quadrilaterals nor polygons (the first is cell "
-            f"{np.flatnonzero(wrong)[0]}, VTK type {kinds[wrong][0]}). Extract the surface and save it "
-            "as PolyData."
-        )
-    low = np.isin(kinds, POINTS_AND_LINES)
-    notes = (
-        [f"{low.sum()} point or line cell(s) kept in the numbering, but without a face."] if low.any() else []
-    )
-    # Faces keep the number of their cell: a cell without a surface becomes a face without corners.
-    return RawMesh(points, np.where(low, 0, sizes), corners[~np.repeat(low, sizes)], notes)
+    notes = [f"{lower} point or line cell(s) kept in the numbering, but without a face."] if lower else []
+    return from_polygons(mesh.points, np.concatenate(sizes), np.concatenate(corners), notes)
