@@ -96,9 +96,7 @@ def test_joins_seams_to_the_lowest_number(shapes):
     number[seam] = len(vertices) + np.arange(len(seam))
     split = np.where(upper[:, None], number[faces], faces)
     fixed = repair(Mesh(np.concatenate([vertices, vertices[seam]]), split))
-    assert fixed.notes == (
-        f"{len(seam)} vertices joined to a twin with the same coordinates (seams sewn up).",
-    )
+    assert fixed.notes == (f"{len(seam)} vertices joined to a twin with the same coordinates (seams sewn up).",)
     np.testing.assert_array_equal(fixed.vertex_ids, np.arange(len(vertices)))
     assert rows(fixed.faces) == rows(faces)
     require_matchable(fixed)
@@ -229,9 +227,7 @@ def test_units_do_not_matter(shapes, scale):
     plain, scaled = repair(Mesh(vertices, faces)), repair(Mesh(vertices * scale, faces))
     np.testing.assert_array_equal(plain.faces, scaled.faces)
     assert plain.notes == scaled.notes
-    np.testing.assert_allclose(
-        areas(scaled.vertices, scaled.faces), areas(plain.vertices, plain.faces), rtol=1e-9
-    )
+    np.testing.assert_allclose(areas(scaled.vertices, scaled.faces), areas(plain.vertices, plain.faces), rtol=1e-9)
     require_matchable(scaled)
 
 

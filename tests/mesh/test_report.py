@@ -41,9 +41,7 @@ def test_a_unit_cube():
         "usable": True,
         "reason": None,
     }
-    assert quality["smallest_angle_degrees"] == pytest.approx(
-        dict.fromkeys(("p0", "p1", "p5", "p50", "p95"), 45)
-    )
+    assert quality["smallest_angle_degrees"] == pytest.approx(dict.fromkeys(("p0", "p1", "p5", "p50", "p95"), 45))
     assert quality["negative_cotangent_fraction"] == 0
 
 
@@ -62,9 +60,7 @@ def test_faults_are_counted(shapes):
 
 def test_boundary_and_pieces(shapes):
     info = describe(Mesh(*shapes.cylinder()))
-    assert (
-        info["boundary_loops"] == {"count": 2, "lengths": [10, 10]} and not info["closed"] and info["usable"]
-    )
+    assert info["boundary_loops"] == {"count": 2, "lengths": [10, 10]} and not info["closed"] and info["usable"]
     info = describe(Mesh(*shapes.bowtie()))
     assert info["components"] == 2 and info["nonmanifold_vertices"] == 1 and not info["usable"]
     info = describe(Mesh(*shapes.moebius()))

@@ -148,10 +148,7 @@ def sides(faces: Ints, table: EdgeTable) -> tuple[Ints, Bools, Bools]:
     plain = table.counts[table.face_edges.ravel()[one]] == 2
     one, two = one[plain], two[plain]
     corners = faces.ravel()
-    clash = (
-        corners[one // 3 * 3 + (one + 1 - one // 3 * 3) % 3]
-        == corners[two // 3 * 3 + (two + 1 - two // 3 * 3) % 3]
-    )
+    clash = corners[one // 3 * 3 + (one + 1 - one // 3 * 3) % 3] == corners[two // 3 * 3 + (two + 1 - two // 3 * 3) % 3]
     f, g = one // 3, two // 3
     _, labels = labels_of(2 * m, np.concatenate([f, f + m]), np.concatenate([g + m * clash, g + m * ~clash]))
     upper, lower = labels[:m], labels[m:]
@@ -188,9 +185,7 @@ def boundary_loops(faces: Ints, table: EdgeTable | None = None) -> list[Ints]:
             while at != start or not loop:
                 loop.append(at)
                 if not after.get(at):
-                    raise TopologyError(
-                        "the faces along the boundary are not consistently oriented; repair first."
-                    )
+                    raise TopologyError("the faces along the boundary are not consistently oriented; repair first.")
                 at = after[at].pop()
             loops.append(np.array(loop, dtype=np.int64))
     return sorted(loops, key=lambda loop: -len(loop))
