@@ -1,0 +1,220 @@
+"""Figure 1 of the paper: two surfaces side by side, each match a sphere of the same colour on both.
+
+Drawn on the processor alone: triangles and spheres go through one depth buffer, so that a surface hides what lies
+behind it. Nothing here needs a display, and the same result gives the same bytes.
+"""
+
+from __future__ import annotations
+
+import io
+import os
+from pathlib import Path
+from typing import IO, TYPE_CHECKING, Any
+
+import numpy as np
+
+from .correspondence import write_atomically
+from .errors import MeshError, SettingsError
+from .mesh import as_mesh, repair
+from .mesh.measure import cross_products, unit_box
+from .rendering import Shape, rasterise, render, unit, visible
+
+if TYPE_CHECKING:
+    from .correspondence import Correspondence
+    from .mesh import Mesh
+
+SMALLEST, LARGEST = 64, 4096
+"""Limits of a picture's width and height in pixels."""
+RADIUS = 0.042
+"""Radius of the sphere of a match of confidence 1, per sqrt(area) of the surface."""
+AZIMUTHS = np.radians(np.arange(0, 360, 22.5))
+ELEVATION = np.radians(12)
+"""Directions to look from; azimuth 0 is the front."""
+
+
+def draw_matches(
+    result: Correspondence,
+    path: str | os.PathLike[str] | IO[bytes],
+    *,
+    most: int = 60,
+    size: tuple[int, int] = (1600, 800),
+    title: str | None = None,
+) -> None:
+    """Draw both surfaces with their matches, as a PNG file.
+
+    The source is on the left and the target on the right, from the same side. A match has one colour, given by
+    its place on the source, so that a sphere whose colour differs from its neighbours' is likely an error; its
+    radius grows with its confidence. A match that the surface hides is not drawn.
+
+    Parameters
+    ----------
+    result
+        A result of :func:`mobius_match.match`; for one that was loaded from a file, the meshes are read again.
+    path
+        Where to write: a name ending in ``.png`` or a binary stream. A file appears whole or not at all.
+    most
+        Draw only this many matches, the most confident.
+    size
+        Width and height in pixels.
+    title
+        A line of text above.
+
+    Raises
+    ------
+    SettingsError
+        If the name has another ending, or a number is out of range.
+    MeshError
+        If the meshes of a loaded result cannot be read, or have changed since the match.
+    """
+    _check(path, most, size)
+    width, height = size
+    pairs, confidence = result.pairs[:most], np.clip(np.nan_to_num(result.confidence[:most]), 0, 1)
+    sides = [
+        _shape(_mesh(surface, info), vertices)
+        for surface, info, vertices in (
+            (result.source, result.source_info, pairs[:, 0]),
+            (result.target, result.target_info, pairs[:, 1]),
+        )
+    ]
+    colours = _colours(sides[0].vertices[sides[0].matched])
+    azimuth = _best_azimuth(sides)
+    shapes = [side.turned(azimuth, ELEVATION) for side in sides]
+    # Both at one scale (equal areas look equal), unless that would make one of them tiny.
+    top = round(0.07 * height) if title else 0
+    room = np.array([width // 2, height - top]) * 0.94
+    fits = [float((room / (np.ptp(shape.vertices[:, :2], axis=0) + 2 * RADIUS)).min()) for shape in shapes]
+    halves = [
+        render(shape, min(fit, 1.5 * min(fits)), (w, height - top), RADIUS * (0.4 + 0.6 * confidence), colours)
+        for shape, fit, w in zip(shapes, fits, (width // 2, width - width // 2), strict=True)
+    ]
+    content = _png(np.concatenate(halves, axis=1), (width, height), title)
+    if isinstance(path, str | os.PathLike):
+        write_atomically(Path(path), content)
+    else:
+        path.write(content)
+
+
+def _check(path: Any, most: int, size: tuple[int, int]) -> None:
+    if isinstance(path, str | os.PathLike) and Path(path).suffix.lower() != ".png":
+        raise SettingsError(f"{path}: pictures are PNG files; give a name that ends in .png")
+    if not isinstance(most, int | np.integer) or most < 0:
+        raise SettingsError(f"most is {most!r}; it must be a whole number from 0")
+    if np.shape(size) != (2,) or not all(
+        isinstance(number, int | np.integer) and SMALLEST <= number <= LARGEST for number in size
+    ):
+        raise SettingsError(f"size is {size!r}; it must be width and height, {SMALLEST} to {LARGEST} pixels each")
+
+
+def _mesh(surface: Any, info: dict[str, Any]) -> Mesh:
+    """The repaired mesh of one side, read again where the result comes from a file."""
+    if surface is not None:
+        return surface.mesh
+    if info.get("path") is None:
+        raise MeshError("the loaded result was made from arrays, which it does not hold; match again, then draw")
+    mesh = as_mesh(info["path"])
+    if mesh.sha256 != info.get("sha256"):
+        raise MeshError(f"{info['path']}: the file has changed since the match; match again, then draw")
+    return repair(mesh)
+
+
+def _shape(mesh: Mesh, numbers: np.ndarray) -> Shape:
+    """The mesh at area 1 with y upward, and where in it the user's vertex numbers are."""
+    order = np.argsort(mesh.vertex_ids, kind="stable")
+    place = np.searchsorted(mesh.vertex_ids[order], numbers).clip(max=len(order) - 1)
+    matched = order[place]
+    wrong = numbers[mesh.vertex_ids[matched] != numbers]
+    if len(wrong):
+        raise MeshError(f"{mesh.name}: has no vertex {wrong[0]}, which the result names; match again, then draw")
+    vertices = unit_box(mesh.vertices)
+    if _up(mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)) == 2:
+        vertices = vertices[:, [0, 2, 1]] * [1, 1, -1]
+    cross = cross_products(vertices, mesh.faces)
+    area = np.linalg.norm(cross, axis=1).sum() / 2
+    corner = mesh.faces.ravel()
+    normals = np.stack([np.bincount(corner, np.repeat(c, 3), len(vertices)) for c in cross.T], axis=1)
+    return Shape(vertices / max(np.sqrt(area), 1e-3), mesh.faces, unit(normals), matched)
+
+
+def _up(low: np.ndarray, high: np.ndarray) -> int:
+    """The axis that points upward, y (1) or z (2), by what most files have in common."""
+    extent = high - low
+    grounded = np.abs(low) < 0.03 * extent  # what stands on the ground begins at 0
+    if grounded[1] != grounded[2]:
+        return 1 if grounded[1] else 2
+    thinnest = int(np.argmin(extent))
+    if thinnest == 0:  # seen from the side: animals are longer than they are tall
+        return 1 if extent[1] <= extent[2] else 2
+    return 3 - thinnest  # seen from the front: people are taller than they are thick
+
+
+def _best_azimuth(sides: list[Shape]) -> float:
+    """The direction from which most matches can be seen on both surfaces, and much of the surfaces."""
+    n = 160
+    scores = []
+    for azimuth in AZIMUTHS:
+        seen, covered = np.ones(len(sides[0].matched)), 0.0
+        for side in sides:
+            shape = side.turned(azimuth, ELEVATION)
+            pixels = shape.vertices * (0.6 * n / np.ptp(side.vertices, axis=0).max()) + [n / 2, n / 2, 0]
+            depth, _ = rasterise(pixels, shape, (n, n))
+            seen *= visible(pixels[side.matched], depth, 0.02 * n)
+            covered += np.isfinite(depth).mean()
+        scores.append((seen.mean() if len(seen) else 0.0, covered))
+    seen, covered = np.array(scores).T
+    # Between equals, from the front: most files look towards +z (or -y where z is up).
+    total = seen + 0.5 * covered / max(covered.max(), 1e-9) + 0.02 * np.cos(AZIMUTHS)
+    return float(AZIMUTHS[np.argmax(total)])
+
+
+def _colours(points: np.ndarray) -> np.ndarray:
+    """A colour (Q, 3) for each point (Q, 3): hue by the longest axis, lightness by the others.
+
+    From blue by red to yellow, an order that the common colour blindnesses keep, and far from grey everywhere.
+    """
+    centred = points - points.sum(axis=0) / max(len(points), 1)
+    axes = np.linalg.eigh(centred.T @ centred)[1][:, ::-1]
+    along = centred @ (axes * np.where(axes.sum(axis=0) < 0, -1, 1))
+    extent = np.abs(along).max(axis=0, initial=1e-9)
+    along = along / np.maximum(extent, 0.1 * extent.max())
+    rank = along[:, 0].argsort(kind="stable").argsort() / max(len(points) - 1, 1)
+    # Between rank and distance: neighbours stay alike, and the whole range is used.
+    first = rank / 2 + (along[:, 0] + 1) / 4
+    hue = np.radians(258 + 200 * first)
+    lightness = 0.50 + 0.32 * first + np.tanh(3 * along[:, 1:]) @ [0.11, 0.06]
+    a, b = 0.2 * np.cos(hue), 0.2 * np.sin(hue)
+    # Oklab to linear sRGB to sRGB: B. Ottosson, "A perceptual color space for image processing", 2020.
+    lms = np.stack([lightness, a, b], axis=1) @ np.array([
+        [1, 1, 1],
+        [0.3963377774, -0.1055613458, -0.0894841775],
+        [0.2158037573, -0.0638541728, -1.2914855480],
+    ])  # fmt: skip
+    linear = lms**3 @ np.array([
+        [4.0767416621, -1.2684380046, -0.0041960863],
+        [-3.3077115913, 2.6097574011, -0.7034186147],
+        [0.2309699292, -0.3413193965, 1.7076147010],
+    ])  # fmt: skip
+    return (np.clip(linear, 0, 1) ** (1 / 2.2)).astype(np.float32)
+
+
+def _png(picture: np.ndarray, size: tuple[int, int], title: str | None) -> bytes:
+    """The bytes of a PNG file, with the title in the space above the picture."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+    from matplotlib.image import imsave
+
+    width, height = size
+    # A hair more than the size, which matplotlib rounds down.
+    figure = Figure(figsize=((width + 0.1) / 100, (height + 0.1) / 100), dpi=100, facecolor="white")
+    canvas = FigureCanvasAgg(figure)
+    if title:
+        figure.text(
+            0.5, 0.96, " ".join(title.split()), ha="center", va="center", color="0.25", parse_math=False,
+            usetex=False, family="DejaVu Sans", fontsize=0.025 * height,
+        )  # fmt: skip
+    canvas.draw()
+    pixels = np.array(canvas.buffer_rgba())
+    pixels[height - len(picture) :, :, :3] = np.round(picture * 255)
+    buffer = io.BytesIO()
+    no_name: Any = {"Software": None}  # matplotlib would put its version
+    imsave(buffer, pixels, format="png", origin="upper", dpi=100, metadata=no_name)
+    return buffer.getvalue()
