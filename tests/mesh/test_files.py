@@ -163,6 +163,16 @@ def test_obj_negative_numbers_count_from_their_own_line(tmp_path):
         read(tmp_path, "c.obj", text.replace("-3//1", "-4//1"))
 
 
+def test_why_obj_is_not_left_to_a_library(tmp_path, files, numbered):
+    """Should one of these come to keep the numbers, our own reader can go."""
+    (tmp_path / "a.obj").write_bytes(files["seams.obj"])
+    assert len(trimesh.load_mesh(tmp_path / "a.obj", process=False).vertices) != len(numbered[0])
+    with pytest.raises(ValueError, match=r"len\(points\) = 44, but len\(point_data"):
+        meshio.obj.read(tmp_path / "a.obj")
+    (tmp_path / "b.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf -3 -2 -1\n")
+    assert meshio.obj.read(tmp_path / "b.obj").cells[0].data.tolist() == [[-4, -3, -2]]
+
+
 def test_ply_skips_what_it_does_not_need(tmp_path):
     header = (
         "ply\nformat {} 1.0\nelement camera 1\nproperty list uchar float k\nelement vertex 3\n"

@@ -1,7 +1,7 @@
 """VTK files, read by meshio: legacy .vtk, and .vtp and .vtu in XML.
 
-meshio knows unstructured grids alone, so PolyData is handed over as a grid of polygons. Of several pieces
-it keeps only the last one's cells, so those are refused.
+meshio does not know PolyData, which is handed over as an unstructured grid of polygons. Of several pieces it
+keeps only the cells of the last, so those are refused.
 """
 
 from __future__ import annotations
