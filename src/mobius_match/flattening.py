@@ -78,7 +78,10 @@ def flatten(mesh: IntrinsicMesh, cut_face: int) -> Flattening:
     open_mesh = IntrinsicMesh(
         mesh.faces[keep], mesh.lengths[keep], mesh.face_edges[keep], mesh.n_vertices, mesh.n_edges
     )
-    harmonic = _harmonic(open_mesh, *mesh.faces[cut_face][:2])
+    # The ends of the face's longest edge are fixed, so that the order of its vertices does not matter.
+    apex = int(np.argmax(mesh.lengths[cut_face]))
+    low, high = np.sort(np.delete(mesh.faces[cut_face], apex))
+    harmonic = _harmonic(open_mesh, low, high)
     steps = _conjugate_steps(open_mesh, harmonic)
     conjugate = _integrate(open_mesh.face_edges, steps, mesh.n_edges)
     ends = np.empty((mesh.n_edges, 2), np.int64)

@@ -13,7 +13,7 @@ from .correspondence import Correspondence
 from .errors import NothingFoundError
 from .matrix_processing import linear_assignment, max_row_column, normalized, recover
 from .settings import MatchSettings, make_settings
-from .surface import Progress, Surface, prepare
+from .surface import Progress, Surface, matchable, prepare_mesh
 from .voting import Votes, cast_votes
 
 DEFAULT_THRESHOLD = 0.1
@@ -66,21 +66,24 @@ def match(
     """
     chosen = make_settings(preset, **settings)
     start = time.perf_counter()
-    surfaces = [_prepared(thing, chosen, progress) for thing in (source, target)]
-    timings = {
-        f"{side} {name}": seconds
-        for side, thing, surface in zip(("source", "target"), (source, target), surfaces, strict=True)
-        if surface is not thing
-        for name, seconds in surface.timings.items()
-    }
+    # Both are read and checked before the work on either begins.
+    things = [thing if isinstance(thing, Surface) else matchable(thing) for thing in (source, target)]
+    timings = {"reading": time.perf_counter() - start}
+    surfaces = []
+    for side, thing in zip(("source", "target"), things, strict=True):
+        if isinstance(thing, Surface):
+            surfaces.append(thing)
+        else:
+            surfaces.append(prepare_mesh(thing, chosen.preparation(), progress))
+            timings |= {f"{side} {name}": seconds for name, seconds in surfaces[-1].timings.items()}
+    first, second = surfaces
     begin = time.perf_counter()
-    votes = cast_votes(*surfaces, chosen, progress)
+    votes = cast_votes(first, second, chosen, progress)
     timings["voting"] = time.perf_counter() - begin
     begin = time.perf_counter()
-    pairs, confidence, recovered = process(votes, *surfaces, chosen)
+    pairs, confidence, recovered = process(votes, first, second, chosen)
     timings["matrix processing"] = time.perf_counter() - begin
     timings["total"] = time.perf_counter() - start
-    first, second = surfaces
     return Correspondence(
         pairs=np.stack([_users_numbers(first, pairs[:, 0]), _users_numbers(second, pairs[:, 1])], axis=1),
         confidence=confidence,
@@ -89,19 +92,13 @@ def match(
         target_info=_describe(second),
         settings={**chosen.to_dict(), "preset": preset, "votes": votes.n_triplets},
         timings=timings,
-        software={
-            name: version(name) for name in ("mobius-match", "numpy", "scipy", "numba", "libigl", "potpourri3d")
-        }
+        software={name: version(name) for name in ("mobius-match", "numpy", "scipy", "numba", "libigl", "potpourri3d")}
         | {"python": platform.python_version()},
-        warnings=(*first.mesh.notes, *first.warnings, *second.mesh.notes, *second.warnings, *votes.warnings),
+        warnings=(*_notes(first), *_notes(second), *votes.warnings),
         source=first,
         target=second,
         votes=votes,
     )
-
-
-def _prepared(thing: Any, settings: MatchSettings, progress: Progress | None) -> Surface:
-    return prepare(thing, settings.preparation(), progress=progress)
 
 
 def process(
@@ -129,6 +126,10 @@ def process(
     )
     keep = trusted | recovered
     return pairs[keep], confidence[keep], recovered[keep]
+
+
+def _notes(surface: Surface) -> list[str]:
+    return [f"{surface.mesh.name}: {note}" for note in (*surface.mesh.notes, *surface.warnings)]
 
 
 def _users_numbers(surface: Surface, samples: np.ndarray) -> np.ndarray:

@@ -125,7 +125,7 @@ class MatchSettings(PrepareSettings):
         if self.proposal == "uniform":
             wanted = PAPER_VOTES_PER_TRIPLET * self.samples**3
             return min(max(wanted, PAPER_VOTES_RANGE[0]), PAPER_VOTES_RANGE[1])
-        return 30_000
+        return 20_000
 
     def to_dict(self) -> dict[str, Any]:
         """All settings as JSON-able values."""

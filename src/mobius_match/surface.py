@@ -22,7 +22,7 @@ from .settings import PrepareSettings
 Progress = Callable[[str, int, int], None]
 """Called with the name of a stage, how much of it is done, and how much there is."""
 
-EIGENFUNCTIONS = 100
+EIGENFUNCTIONS = 50
 LARGEST_CLOSURE = 1e-6
 """Closure of the conjugate function above which a flattening is not to be trusted."""
 
@@ -115,17 +115,32 @@ def prepare(
     if isinstance(thing, Surface):
         return thing
     settings = settings or PrepareSettings(**overrides)
-    clock = _Clock()
+    return prepare_mesh(matchable(thing), settings, progress)
+
+
+def matchable(thing: Any) -> Mesh:
+    """The repaired mesh of a path, of arrays, or of an object with both, if it can be matched at all.
+
+    Raises
+    ------
+    MeshError
+        If it cannot; the message says why and what to do.
+    """
     mesh = repair(as_mesh(thing))
     require_matchable(mesh)
-    clock.lap("reading")
+    return mesh
+
+
+def prepare_mesh(mesh: Mesh, settings: PrepareSettings, progress: Progress | None = None) -> Surface:
+    """:func:`prepare` for a mesh that :func:`matchable` gave."""
     # One BLAS thread: these are many small calls, and sums must not depend on the number of processors.
     with threadpool_limits(limits=1, user_api="blas"):
-        return _prepare(mesh, settings, clock, progress or (lambda stage, done, total: None))
+        return _prepare(mesh, settings, progress or (lambda stage, done, total: None))
 
 
-def _prepare(mesh: Mesh, settings: PrepareSettings, clock: _Clock, progress: Progress) -> Surface:
+def _prepare(mesh: Mesh, settings: PrepareSettings, progress: Progress) -> Surface:
     warnings = []
+    clock = _Clock()
     # A box of size 1 keeps squares and areas far from overflow, whatever the units of the file.
     scale = float(np.ptp(mesh.vertices, axis=0).max())
     vertices = (mesh.vertices - mesh.vertices.mean(axis=0)) / scale
@@ -139,7 +154,7 @@ def _prepare(mesh: Mesh, settings: PrepareSettings, clock: _Clock, progress: Pro
         raise MeshError(f"{mesh.name}: geodesic distances could not be computed; check the mesh for sliver triangles")
     if len(samples.vertices) < settings.samples:
         warnings.append(
-            f"{mesh.name}: has only {len(samples.vertices)} vertices; each of them is a sample "
+            f"has only {len(samples.vertices)} vertices; each of them is a sample "
             f"({settings.samples} were asked for)"
         )
     cells = np.bincount(samples.distances.argmin(axis=0), areas, len(samples.vertices))
@@ -154,7 +169,7 @@ def _prepare(mesh: Mesh, settings: PrepareSettings, clock: _Clock, progress: Pro
     flattening = flatten(triangulation, cut_face)
     if not flattening.closure < LARGEST_CLOSURE:
         warnings.append(
-            f"{mesh.name}: the flattening closes only to {flattening.closure:.1e} of its extent; "
+            f"the flattening closes only to {flattening.closure:.1e} of its extent; "
             "matches may suffer; remove sliver triangles"
         )
     positions = vertex_positions(flattening, triangulation, samples.vertices, settings.placement)

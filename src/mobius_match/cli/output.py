@@ -46,10 +46,8 @@ def write(path: Path, content: bytes) -> None:
 
     if path == STDOUT:
         sys.stdout.buffer.write(content)
-    elif path.exists() and not path.is_file():  # a device or a pipe cannot be replaced
-        path.write_bytes(content)
     else:
-        write_atomically(path.resolve(), content)  # through links
+        write_atomically(path, content)
 
 
 def to_json(data: Any) -> bytes:

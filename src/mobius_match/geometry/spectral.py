@@ -39,9 +39,7 @@ def eigenbasis(mesh: IntrinsicMesh, count: int) -> tuple[np.ndarray, np.ndarray]
     return np.maximum(values[order], 0.0), functions[:, order]
 
 
-def wave_kernel_signature(
-    eigenvalues: np.ndarray, eigenfunctions: np.ndarray, energies: int = 100
-) -> np.ndarray:
+def wave_kernel_signature(eigenvalues: np.ndarray, eigenfunctions: np.ndarray, energies: int = 100) -> np.ndarray:
     """Wave kernel signature (Aubry et al. 2011) of each row of eigenfunctions.
 
     Parameters

@@ -22,7 +22,7 @@ FAR = 1e15  # stands for infinity in the canonical plane; its square still fits 
 
 
 @jit
-def to_canonical(points, triplet, image):
+def to_canonical(points: np.ndarray, triplet: np.ndarray, image: np.ndarray) -> bool:
     """Apply the map m with m(z_j) = y_j (equations 3 and 4) to all points; False if two of the z_j are equal.
 
     The map to 0, 1, infinity is written with differences of points, which are exact, and followed by the inverse of the
@@ -51,7 +51,7 @@ def to_canonical(points, triplet, image):
 
 
 @jit
-def to_sphere(plane, sphere):
+def to_sphere(plane: np.ndarray, sphere: np.ndarray) -> None:
     """Stereographic projection of canonical points (2, p) to the unit sphere (3, p)."""
     for k in range(plane.shape[1]):
         x, y = np.float64(plane[0, k]), np.float64(plane[1, k])
@@ -62,7 +62,14 @@ def to_sphere(plane, sphere):
 
 
 @jit
-def mutually_nearest(first, second, row, row_least, column_least, partner):
+def mutually_nearest(
+    first: np.ndarray,
+    second: np.ndarray,
+    row: np.ndarray,
+    row_least: np.ndarray,
+    column_least: np.ndarray,
+    partner: np.ndarray,
+) -> int:
     """Pair the points of ``first`` (2 or 3, N1) and ``second`` (2 or 3, N2) that are each other's nearest.
 
     Writes to ``partner`` (N1,) int32 the paired point of ``second``, -1 for none, and to ``row_least`` (N1,) the
@@ -104,18 +111,26 @@ def mutually_nearest(first, second, row, row_least, column_least, partner):
 
 
 @jit
-def deformation(squared, spherical):
+def deformation(squared: float, spherical: bool) -> float:
     """Distance of a pair in the canonical domain, section 7: |z - w|, or |z - w| / |1 + conj(z) w| on the sphere.
 
     With s the chord between the points on the sphere the latter is s / sqrt(4 - s^2).
     """
-    if spherical:
-        return math.sqrt(squared / max(4.0 - squared, 1e-12))
-    return math.sqrt(squared)
+    square = np.float64(squared)
+    return math.sqrt(square / max(4.0 - square, 1e-12) if spherical else square)
 
 
 @jit
-def vote(points1, points2, triplets1, triplets2, least_pairs, epsilon, spherical, votes):
+def vote(
+    points1: np.ndarray,
+    points2: np.ndarray,
+    triplets1: np.ndarray,
+    triplets2: np.ndarray,
+    least_pairs: int,
+    epsilon: float,
+    spherical: bool,
+    votes: np.ndarray,
+) -> int:
     """Algorithm 2: add the votes of a batch of triplets to C.
 
     Parameters
@@ -167,19 +182,19 @@ def vote(points1, points2, triplets1, triplets2, least_pairs, epsilon, spherical
 
 @jit
 def vote_weighted(
-    points1,
-    points2,
-    triplets1,
-    triplets2,
-    geodesics1,
-    geodesics2,
-    similarity,
-    scale,
-    power,
-    least_pairs,
-    spherical,
-    votes,
-):
+    points1: np.ndarray,
+    points2: np.ndarray,
+    triplets1: np.ndarray,
+    triplets2: np.ndarray,
+    geodesics1: np.ndarray,
+    geodesics2: np.ndarray,
+    similarity: np.ndarray,
+    scale: float,
+    power: float,
+    least_pairs: int,
+    spherical: bool,
+    votes: np.ndarray,
+) -> int:
     """Algorithm 2 with weighed pairs in place of the energy of section 7.
 
     A mutually nearest pair counts by how well its geodesic distances to the triplet's points agree on both surfaces,

@@ -34,13 +34,21 @@ def _distinct(generator: np.random.Generator, count: int, n: int) -> np.ndarray:
 
 
 @numba.njit(cache=True, nogil=True)
-def guided_triplets(seed, count, geodesics1, geodesics2, allowed, least_spread, tolerance):
+def guided_triplets(
+    generator: np.random.Generator,
+    count: int,
+    geodesics1: np.ndarray,
+    geodesics2: np.ndarray,
+    allowed: np.ndarray,
+    least_spread: float,
+    tolerance: float,
+) -> tuple[np.ndarray, np.ndarray]:
     """Triplets that agree in their mutual distances, (found, 3) int64 of each side, found <= count.
 
     Parameters
     ----------
-    seed
-        Seed of this batch.
+    generator
+        Random stream of this batch.
     count
         How many are wanted.
     geodesics1, geodesics2
@@ -52,7 +60,6 @@ def guided_triplets(seed, count, geodesics1, geodesics2, allowed, least_spread, 
     tolerance
         Largest relative difference of corresponding distances.
     """
-    np.random.seed(seed)
     n1, n2 = allowed.shape
     triplets1, triplets2 = np.empty((count, 3), np.int64), np.empty((count, 3), np.int64)
     choices = np.empty(n2, np.int64)
@@ -61,7 +68,7 @@ def guided_triplets(seed, count, geodesics1, geodesics2, allowed, least_spread, 
         for _ in range(ATTEMPTS):
             n_matched = 0
             while n_matched < 3:
-                near = np.random.randint(n1)
+                near = generator.integers(0, n1)
                 n_choices = 0
                 for far in range(n2):
                     fits = allowed[near, far]
@@ -76,7 +83,7 @@ def guided_triplets(seed, count, geodesics1, geodesics2, allowed, least_spread, 
                 if n_choices == 0:
                     break
                 triplets1[found, n_matched] = near
-                triplets2[found, n_matched] = choices[np.random.randint(n_choices)]
+                triplets2[found, n_matched] = choices[generator.integers(0, n_choices)]
                 n_matched += 1
             if n_matched == 3:
                 found += 1

@@ -12,6 +12,7 @@ from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import partial
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -67,9 +68,7 @@ Batch = Callable[[np.random.SeedSequence, int], tuple[np.ndarray, int, int]]
 """Takes a random stream and a number of triplets; gives votes (N1, N2), triplets evaluated, triplets that voted."""
 
 
-def cast_votes(
-    source: Surface, target: Surface, settings: MatchSettings, progress: Progress | None = None
-) -> Votes:
+def cast_votes(source: Surface, target: Surface, settings: MatchSettings, progress: Progress | None = None) -> Votes:
     """Run Algorithm 2 on two prepared surfaces.
 
     Parameters
@@ -89,6 +88,8 @@ def cast_votes(
     streams = np.random.SeedSequence(settings.seed).spawn(n_batches)
     matrix = np.zeros((len(source.samples), len(target.samples)))
     evaluated = voting = 0
+    if progress is not None and not _is_compiled(settings.proposal):
+        progress("compiling", 0, 1)
     with ThreadPoolExecutor(settings.jobs or os.cpu_count() or 1) as pool:
         try:
             for done, (votes, n, m) in enumerate(pool.map(batch, streams, sizes)):
@@ -100,6 +101,13 @@ def cast_votes(
             pool.shutdown(wait=False, cancel_futures=True)
             raise
     return Votes(matrix, evaluated, voting, warnings)
+
+
+def _is_compiled(proposal: str) -> bool:
+    """Whether the kernels are in numba's cache; compiling them takes some seconds, once."""
+    name, kernel = ("vote_weighted", vote_weighted) if proposal == "guided" else ("vote", vote)
+    folder = kernel.stats.cache_path
+    return folder is not None and any(Path(folder).glob(f"kernel.{name}-*.nbi"))
 
 
 def _uniform(source: Surface, target: Surface, settings: MatchSettings) -> tuple[Batch, tuple[str, ...]]:
@@ -136,7 +144,7 @@ def _guided(source: Surface, target: Surface, settings: MatchSettings) -> tuple[
     )
 
     def batch(stream: np.random.SeedSequence, size: int) -> tuple[np.ndarray, int, int]:
-        triplets1, triplets2 = draw(int(stream.generate_state(1)[0]), size)
+        triplets1, triplets2 = draw(np.random.default_rng(stream), size)
         matrix = np.zeros(similarity.shape)
         return matrix, len(triplets1), weigh(triplets1, triplets2, votes=matrix)
 
@@ -156,7 +164,7 @@ def _proposals(source: Surface, target: Surface) -> tuple[Callable[..., Any], tu
             least_spread=LEAST_SPREAD / widening,
             tolerance=widening * LENGTH_TOLERANCE,
         )
-        if len(draw(0, trial)[0]) >= trial // 2:
+        if len(draw(np.random.default_rng(0), trial)[0]) >= trial // 2:
             break
     if widening == 1:
         return draw, ()

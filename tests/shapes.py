@@ -1,0 +1,86 @@
+"""Analytic shapes for the tests, as (vertices, faces)."""
+
+from __future__ import annotations
+
+import numpy as np
+
+Arrays = tuple[np.ndarray, np.ndarray]
+
+
+def icosphere(subdivisions: int = 3) -> Arrays:
+    """A unit sphere of nearly even triangles, 10 * 4**subdivisions + 2 vertices."""
+    import trimesh
+
+    mesh = trimesh.creation.icosphere(subdivisions=subdivisions)
+    return np.array(mesh.vertices), np.array(mesh.faces)
+
+
+def ellipsoid(axes: tuple[float, float, float] = (1.0, 0.8, 1.7), subdivisions: int = 3) -> Arrays:
+    """An ellipsoid with three different axes."""
+    vertices, faces = icosphere(subdivisions)
+    return vertices * axes, faces
+
+
+def lump(subdivisions: int = 3) -> Arrays:
+    """A closed shape without any symmetry: a sphere with bumps of different height and width."""
+    vertices, faces = icosphere(subdivisions)
+    directions = np.array([[1, 0.2, 0.1], [-0.5, 1, 0.3], [0.1, -0.6, 1], [-0.3, -0.4, -1], [0.3, -1, -0.3]])
+    directions /= np.linalg.norm(directions, axis=1, keepdims=True)
+    radius = np.ones(len(vertices))
+    for direction, height, width in zip(directions, (1.5, 1.0, 0.7, 1.2, 0.9), (0.2, 0.3, 0.25, 0.4, 0.15), strict=True):
+        radius += height * np.exp((vertices @ direction - 1) / width**2)
+    return vertices * radius[:, None], faces
+
+
+def grid(width: int = 12, height: int = 9, holes: tuple[tuple[int, int], ...] = ()) -> Arrays:
+    """A flat rectangle of width by height unit squares, two triangles each, without the squares named in holes."""
+    x, y = np.meshgrid(np.arange(width + 1), np.arange(height + 1))
+    vertices = np.stack([x.ravel(), y.ravel(), np.zeros(x.size)], axis=1).astype(float)
+    faces = []
+    for row in range(height):
+        for column in range(width):
+            if (column, row) in holes:
+                continue
+            a = row * (width + 1) + column
+            b, c, d = a + 1, a + width + 2, a + width + 1
+            faces += [(a, b, c), (a, c, d)] if (row + column) % 2 else [(a, b, d), (b, c, d)]
+    return vertices, np.array(faces)
+
+
+def bent(arrays: Arrays) -> Arrays:
+    """A sheet in the plane rolled onto a wave: a surface in space, no longer flat in each point's ring."""
+    vertices, faces = arrays
+    lifted = vertices.copy()
+    lifted[:, 2] = np.sin(vertices[:, 0] * 0.7) + 0.3 * np.cos(vertices[:, 1] * 0.9)
+    return lifted, faces
+
+
+def tube(around: int = 24, along: int = 20, radius: float = 1.0, length: float = 4.0) -> Arrays:
+    """An open cylinder: two boundary loops, outward faces."""
+    angle, height = np.meshgrid(2 * np.pi * np.arange(around) / around, np.linspace(0, length, along + 1))
+    vertices = np.stack([radius * np.cos(angle), radius * np.sin(angle), height], axis=-1).reshape(-1, 3)
+    faces = []
+    for row in range(along):
+        for column in range(around):
+            a, b = row * around + column, row * around + (column + 1) % around
+            c, d = b + around, a + around
+            faces += [(a, b, c), (a, c, d)]
+    return vertices, np.array(faces)
+
+
+def renumbered(arrays: Arrays, seed: int = 0) -> tuple[Arrays, np.ndarray]:
+    """The same surface with vertices and faces in another order, and the new number of each old vertex."""
+    vertices, faces = arrays
+    rng = np.random.default_rng(seed)
+    order = rng.permutation(len(vertices))
+    new = np.empty_like(order)
+    new[order] = np.arange(len(order))
+    turned = np.array([np.roll(face, shift) for face, shift in zip(new[faces], rng.integers(0, 3, len(faces)), strict=True)])
+    return (vertices[order], turned[rng.permutation(len(faces))]), new
+
+
+def rotation(seed: int = 0) -> np.ndarray:
+    """A random rotation matrix."""
+    q, r = np.linalg.qr(np.random.default_rng(seed).normal(size=(3, 3)))
+    q *= np.sign(np.diag(r))
+    return q if np.linalg.det(q) > 0 else -q

@@ -1,0 +1,94 @@
+"""The result record and its file."""
+
+import json
+
+import numpy as np
+import pytest
+
+import mobius_match as mm
+from tests.shapes import lump
+
+
+@pytest.fixture(scope="module")
+def result():
+    return mm.match(lump(2), lump(2), samples=30)
+
+
+def test_file_is_the_contracts(result, tmp_path):
+    path = tmp_path / "result.json"
+    result.save(path)
+    content = json.loads(path.read_text())
+    assert content["format"] == "mobius-match/correspondence"
+    assert content["version"] == 1
+    for side in ("source", "target"):
+        assert set(content[side]) == {"path", "sha256", "vertices", "faces", "area", "diameter"}
+        assert content[side]["vertices"] == 162
+        assert len(content[side]["sha256"]) == 64
+    rows = content["correspondences"]
+    assert len(rows) == len(result)
+    assert [row["confidence"] for row in rows] == sorted((row["confidence"] for row in rows), reverse=True)
+    assert set(rows[0]) == {"source", "target", "confidence", "kind"}
+    assert {row["kind"] for row in rows} <= {"voted", "recovered"}
+    assert content["settings"]["samples"] == 30
+    assert content["timings"]["total"] > 0
+    assert content["software"]["mobius-match"] == mm.__version__
+
+
+def test_load_returns_what_was_saved_to_the_last_bit(result, tmp_path):
+    path = tmp_path / "result.json"
+    result.save(path)
+    loaded = mm.Correspondence.load(path)
+    np.testing.assert_array_equal(loaded.pairs, result.pairs)
+    np.testing.assert_array_equal(loaded.confidence, result.confidence)
+    np.testing.assert_array_equal(loaded.kind, result.kind)
+    assert loaded.to_dict() == json.loads(result.to_json())
+
+
+def test_failed_save_leaves_the_old_file_and_nothing_else(result, tmp_path, monkeypatch):
+    path = tmp_path / "result.json"
+    path.write_text("old")
+
+    def full(self, target):
+        raise OSError("disk full")
+
+    monkeypatch.setattr("pathlib.Path.replace", full)
+    with pytest.raises(OSError, match="disk full"):
+        result.save(path)
+    assert path.read_text() == "old"
+    assert [entry.name for entry in tmp_path.iterdir()] == ["result.json"]
+
+
+def test_save_writes_through_a_link(result, tmp_path):
+    path, link = tmp_path / "result.json", tmp_path / "link.json"
+    link.symlink_to(path)
+    result.save(link)
+    assert link.is_symlink()
+    assert mm.Correspondence.load(path).pairs.shape == result.pairs.shape
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("", "not a readable result file"),
+        ("{", "not a readable result file"),
+        ("[1, 2]", "not a result of mobius match"),
+        ('{"format": "other"}', "not a result of mobius match"),
+        ('{"format": "mobius-match/correspondence", "version": 9}', "version 9"),
+        ('{"format": "mobius-match/correspondence", "version": 1}', "damaged"),
+        (
+            '{"format": "mobius-match/correspondence", "version": 1, "correspondences": [{"source": "x"}]}',
+            "damaged",
+        ),
+    ],
+)
+def test_bad_files_are_refused_by_name(tmp_path, text, words):
+    path = tmp_path / "bad.json"
+    path.write_text(text)
+    with pytest.raises(mm.FormatError, match=words) as caught:
+        mm.Correspondence.load(path)
+    assert "bad.json" in str(caught.value)
+
+
+def test_missing_file(tmp_path):
+    with pytest.raises(mm.FormatError, match="nowhere.json"):
+        mm.Correspondence.load(tmp_path / "nowhere.json")

@@ -1,0 +1,154 @@
+"""The whole method on shapes whose correspondence is known."""
+
+import numpy as np
+import pytest
+
+import mobius_match as mm
+from mobius_match import examples
+from mobius_match.geometry.geodesics import geodesic_solver
+from tests.shapes import bent, grid, lump, renumbered, rotation, tube
+
+PAPER = {"preset": "paper", "votes": 300_000, "samples": 30}
+"""The paper's method, cut down to what a copy of a shape needs."""
+
+
+def moved_copy(shape, seed=0):
+    (vertices, faces), new = renumbered(shape, seed)
+    return (3.7 * vertices @ rotation(seed).T + [5, -2, 1], faces), new
+
+
+@pytest.mark.parametrize("seed", [0, 1])
+def test_copy_rotated_scaled_and_renumbered_is_the_identity(seed):
+    shape = lump(4)
+    copy, new = moved_copy(shape, seed)
+    result = mm.match(shape, copy, seed=seed)
+    assert len(result) >= 90
+    np.testing.assert_array_equal(new[result.pairs[:, 0]], result.pairs[:, 1])
+    assert result.confidence[0] == 1.0
+    assert (np.diff(result.confidence) <= 0).all()
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        {**PAPER},
+        {**PAPER, "distance": "spherical"},
+        {**PAPER, "assignment": "linear"},
+        {"distance": "spherical"},
+        {"assignment": "linear"},
+        {"triangulation": "mesh", "geodesics": "dijkstra", "placement": "closest"},
+        {"min_fraction": 0.3, "samples": 60},
+    ],
+    ids=str,
+)
+def test_every_variant_finds_a_copy(options):
+    shape = lump(3)
+    copy, new = moved_copy(shape)
+    result = mm.match(shape, copy, **options)
+    assert len(result) >= 20
+    correct = new[result.pairs[:, 0]] == result.pairs[:, 1]
+    assert correct[: len(correct) // 2].all()
+    assert correct.mean() > 0.9
+
+
+@pytest.mark.parametrize("shape", [bent(grid(16, 13)), bent(grid(16, 13, holes=((4, 4), (11, 7), (11, 8))))])
+def test_surfaces_with_boundaries_find_their_copy(shape):
+    copy, new = moved_copy(shape)
+    result = mm.match(shape, copy, samples=60)
+    # A sheet that waves in one direction is bent without stretching in it: its intrinsic mirror images match as well,
+    # so distances are what must agree.
+    first = np.array([geodesic_solver(*shape)(int(v))[result.pairs[:20, 0]] for v in result.pairs[:20, 0]])
+    second = np.array([geodesic_solver(*copy)(int(v))[result.pairs[:20, 1]] for v in result.pairs[:20, 1]])
+    np.testing.assert_allclose(second / 3.7, first, atol=0.06 * first.max())
+
+
+@pytest.mark.parametrize("name", examples.names())
+def test_shipped_pairs_reach_their_floor(name):
+    """Other poses, other triangulations: errors per diameter against the exact truth."""
+    source, target = examples.paths(name)
+    result = mm.match(source, target, seed=0)
+    mesh = mm.read_mesh(target)
+    faces, barycentric = examples.truth(name)
+    solver = geodesic_solver(mesh.vertices, mesh.faces)
+    errors = []
+    for i, j in result.pairs[:45]:
+        distances = solver(int(j))
+        errors.append(distances[mesh.faces[faces[i]]] @ barycentric[i] / result.target_info["diameter"])
+    assert np.mean(errors[:15]) < 0.02
+    assert np.mean(errors) < 0.025
+    assert max(errors) < 0.1
+
+
+@pytest.mark.parametrize("options", [{}, {"preset": "paper", "votes": 60_000}])
+def test_same_seed_same_result_whatever_the_threads(options):
+    pair = examples.paths("quadruped")
+    surfaces = [mm.prepare(path) for path in pair]
+    results = [mm.match(*surfaces, seed=5, jobs=jobs, **options) for jobs in (1, 2, 1, 3)]
+    fresh = mm.match(*pair, seed=5, jobs=2, **options) if not options else results[0]
+    for other in (*results[1:], fresh):
+        np.testing.assert_array_equal(results[0].pairs, other.pairs)
+        np.testing.assert_array_equal(results[0].confidence, other.confidence)  # to the last bit
+        np.testing.assert_array_equal(results[0].kind, other.kind)
+    different = mm.match(*surfaces, seed=6, jobs=2, **options)
+    assert (different.votes.matrix != results[0].votes.matrix).any()
+
+
+def test_numbers_are_the_users_own():
+    """Unused vertices in front shift every number by as many."""
+    shape = lump(3)
+    result = mm.match(shape, shape, samples=30)
+    padded = (np.concatenate([np.full((5, 3), 9.0), shape[0]]), shape[1] + 5)
+    shifted = mm.match(padded, shape, samples=30)
+    np.testing.assert_array_equal(shifted.pairs, result.pairs + [5, 0])
+    assert any("5 vertices" in line for line in shifted.warnings)
+    assert shifted.source_info["vertices"] == len(shape[0]) + 5
+
+
+def test_anything_with_vertices_and_faces_will_do():
+    import trimesh
+
+    vertices, faces = lump(3)
+    arrays = mm.match((vertices, faces), (vertices.tolist(), faces.tolist()), samples=30)
+    objects = mm.match(trimesh.Trimesh(vertices, faces, process=False), mm.Mesh(vertices, faces), samples=30)
+    np.testing.assert_array_equal(arrays.pairs, objects.pairs)
+
+
+def test_nothing_found_says_what_to_do():
+    with pytest.raises(mm.NothingFoundError, match=r"50 triplets.*min-fraction"):
+        mm.match(lump(2), tube(), preset="paper", votes=50, min_fraction=1.0, samples=30)
+
+
+def test_small_meshes_use_all_their_vertices_and_say_so():
+    result = mm.match(lump(1), lump(1))
+    assert any("only 42 vertices" in line for line in result.warnings)
+    np.testing.assert_array_equal(result.pairs[:, 0], result.pairs[:, 1])
+
+
+def test_tiny_and_huge_units_do_not_matter():
+    vertices, faces = lump(3)
+    reference = mm.match((vertices, faces), (vertices, faces), samples=40)
+    for scale in (1e-12, 1e12):
+        scaled = mm.match((scale * vertices, faces), (vertices, faces), samples=40)
+        np.testing.assert_array_equal(scaled.pairs, reference.pairs)
+        assert scaled.source_info["area"] == pytest.approx(scale**2 * reference.source_info["area"], rel=1e-6)
+
+
+def test_progress_is_told_from_start_to_end():
+    calls = []
+    mm.match(lump(2), lump(2), progress=lambda *call: calls.append(call))
+    stages = [stage for stage, _, _ in calls]
+    assert stages[0].startswith("sampling")
+    assert stages[-1] == "voting"
+    assert calls[-1][1] == calls[-1][2] > 0
+    assert all(0 <= done <= total for _, done, total in calls)
+
+
+def test_an_error_in_progress_ends_the_match_at_once():
+    """How Ctrl-C reaches the voting threads: what the callback raises comes out, and no thread goes on."""
+
+    def interrupt(stage, done, total):
+        if stage == "voting":
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        mm.match(lump(2), lump(2), preset="paper", progress=interrupt)
