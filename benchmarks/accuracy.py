@@ -3,8 +3,8 @@
     python benchmarks/accuracy.py DIR                     # every pair of DIR/pairs.txt, default settings
     python benchmarks/accuracy.py DIR --pair wolf0 wolf1 --preset paper
 
-DIR holds NAME.off, pairs.txt with two names a line, and corres/NAME.vts: line i of two such lists, counted from 1, is the
-same surface point (corres/NAME.sym.vts: with left and right exchanged).
+DIR holds NAME.off, pairs.txt with two names a line, and corres/NAME.vts: line i of two such lists, counted from 1, is
+the same surface point (corres/NAME.sym.vts: with left and right exchanged).
 """
 
 from __future__ import annotations

@@ -27,7 +27,9 @@ def lump(subdivisions: int = 3) -> Arrays:
     directions = np.array([[1, 0.2, 0.1], [-0.5, 1, 0.3], [0.1, -0.6, 1], [-0.3, -0.4, -1], [0.3, -1, -0.3]])
     directions /= np.linalg.norm(directions, axis=1, keepdims=True)
     radius = np.ones(len(vertices))
-    for direction, height, width in zip(directions, (1.5, 1.0, 0.7, 1.2, 0.9), (0.2, 0.3, 0.25, 0.4, 0.15), strict=True):
+    for direction, height, width in zip(
+        directions, (1.5, 1.0, 0.7, 1.2, 0.9), (0.2, 0.3, 0.25, 0.4, 0.15), strict=True
+    ):
         radius += height * np.exp((vertices @ direction - 1) / width**2)
     return vertices * radius[:, None], faces
 
@@ -75,7 +77,9 @@ def renumbered(arrays: Arrays, seed: int = 0) -> tuple[Arrays, np.ndarray]:
     order = rng.permutation(len(vertices))
     new = np.empty_like(order)
     new[order] = np.arange(len(order))
-    turned = np.array([np.roll(face, shift) for face, shift in zip(new[faces], rng.integers(0, 3, len(faces)), strict=True)])
+    turned = np.array(
+        [np.roll(face, shift) for face, shift in zip(new[faces], rng.integers(0, 3, len(faces)), strict=True)]
+    )
     return (vertices[order], turned[rng.permutation(len(faces))]), new
 
 

@@ -90,5 +90,5 @@ def test_bad_files_are_refused_by_name(tmp_path, text, words):
 
 
 def test_missing_file(tmp_path):
-    with pytest.raises(mm.FormatError, match="nowhere.json"):
+    with pytest.raises(mm.FormatError, match=r"nowhere\.json"):
         mm.Correspondence.load(tmp_path / "nowhere.json")

@@ -101,7 +101,10 @@ def test_figure_5_cut_faces_differ_by_one_mobius_map():
 def test_scale_rotation_and_numbering_do_not_matter(delaunay):
     vertices, faces = lump(3)
     (moved, moved_faces), new = renumbered((250 * vertices @ rotation().T + [1, 2, 3], faces))
-    first, second = intrinsic_mesh(vertices, faces, delaunay=delaunay), intrinsic_mesh(moved, moved_faces, delaunay=delaunay)
+    first, second = (
+        intrinsic_mesh(vertices, faces, delaunay=delaunay),
+        intrinsic_mesh(moved, moved_faces, delaunay=delaunay),
+    )
     samples = np.arange(0, len(vertices), 7)
     corners = first.faces[10]
     twin = np.flatnonzero((np.sort(second.faces, axis=1) == np.sort(new[corners])).all(axis=1))[0]
@@ -196,7 +199,7 @@ def test_placements():
         edge = np.flatnonzero(flattening.positions == position)[0]
         assert vertex in _ends(mesh, [edge])
         length = mesh.lengths[mesh.face_edges == edge][0]
-        around = (mesh.faces == vertex)
+        around = mesh.faces == vertex
         sides = np.roll(around, 1, axis=1) | np.roll(around, 2, axis=1)
         assert length == pytest.approx(mesh.lengths[sides].min())
     mean = vertex_positions(flattening, mesh, wanted, "mean")

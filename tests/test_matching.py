@@ -53,7 +53,7 @@ def test_every_variant_finds_a_copy(options):
 
 @pytest.mark.parametrize("shape", [bent(grid(16, 13)), bent(grid(16, 13, holes=((4, 4), (11, 7), (11, 8))))])
 def test_surfaces_with_boundaries_find_their_copy(shape):
-    copy, new = moved_copy(shape)
+    copy, _ = moved_copy(shape)
     result = mm.match(shape, copy, samples=60)
     # A sheet that waves in one direction is bent without stretching in it: its intrinsic mirror images match as well,
     # so distances are what must agree.
@@ -99,7 +99,7 @@ def test_numbers_are_the_users_own():
     result = mm.match(shape, shape, samples=30)
     padded = (np.concatenate([np.full((5, 3), 9.0), shape[0]]), shape[1] + 5)
     shifted = mm.match(padded, shape, samples=30)
-    np.testing.assert_array_equal(shifted.pairs, result.pairs + [5, 0])
+    np.testing.assert_array_equal(shifted.pairs, result.pairs + np.array([5, 0]))
     assert any("5 vertices" in line for line in shifted.warnings)
     assert shifted.source_info["vertices"] == len(shape[0]) + 5
 

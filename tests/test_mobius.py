@@ -45,7 +45,9 @@ offsets = st.complex_numbers(max_magnitude=0.2, allow_nan=False, allow_infinity=
 @st.composite
 def triples(draw, infinity=True):
     """Three points that lie apart: anywhere in different squares of a grid, or one of them at infinity."""
-    found = [complex(*cell) / 2 + draw(offsets) / 2 for cell in draw(st.lists(cells, min_size=3, max_size=3, unique=True))]
+    found = [
+        complex(*cell) / 2 + draw(offsets) / 2 for cell in draw(st.lists(cells, min_size=3, max_size=3, unique=True))
+    ]
     if infinity and draw(st.booleans()):
         found[draw(st.integers(0, 2))] = INFINITY
     return np.array(found)

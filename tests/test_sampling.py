@@ -81,7 +81,11 @@ def test_curvature_is_stable_between_triangulations():
 
     hull = ConvexHull(directions[chosen])  # another triangulation of a random part of the vertices
     vertices, faces = fine[0][chosen], hull.simplices
-    outward = np.einsum("ij,ij->i", np.cross(*(directions[chosen][faces[:, k]] - directions[chosen][faces[:, 0]] for k in (1, 2))), directions[chosen][faces[:, 0]])
+    outward = np.einsum(
+        "ij,ij->i",
+        np.cross(*(directions[chosen][faces[:, k]] - directions[chosen][faces[:, 0]] for k in (1, 2))),
+        directions[chosen][faces[:, 0]],
+    )
     faces = np.where(outward[:, None] > 0, faces, faces[:, ::-1])
     found = []
     for shape in (coarse, (vertices, faces.astype(np.int64))):

@@ -154,8 +154,7 @@ def _prepare(mesh: Mesh, settings: PrepareSettings, progress: Progress) -> Surfa
         raise MeshError(f"{mesh.name}: geodesic distances could not be computed; check the mesh for sliver triangles")
     if len(samples.vertices) < settings.samples:
         warnings.append(
-            f"has only {len(samples.vertices)} vertices; each of them is a sample "
-            f"({settings.samples} were asked for)"
+            f"has only {len(samples.vertices)} vertices; each of them is a sample ({settings.samples} were asked for)"
         )
     cells = np.bincount(samples.distances.argmin(axis=0), areas, len(samples.vertices))
     distances = samples.distances[:, samples.vertices]

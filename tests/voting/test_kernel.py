@@ -114,7 +114,8 @@ def test_weighted_vote_equals_its_twin(problem, spherical):
     expected, n_expected = vote_twin(*problem, 0, 0.01, spherical, weigh)
     assert n_voting == n_expected
     np.testing.assert_array_equal(votes > 0, expected > 0)
-    np.testing.assert_array_equal(votes, expected)
+    np.testing.assert_array_equal(votes > 0, expected > 0)  # the same pairs, every one
+    np.testing.assert_allclose(votes, expected, rtol=1e-13)  # powers differ in the last bit
 
 
 def test_threshold_is_reached_by_exactly_k_pairs():
@@ -172,6 +173,8 @@ def test_of_equally_near_points_the_lowest_number_is_taken():
     first = np.array([[0, 0], [0, 0]], np.float32)
     second = np.array([[1, -1, 1], [0, 0, 0]], np.float32)
     partner = np.empty(2, np.int32)
-    n = mutually_nearest(first, second, np.empty(3, np.float32), np.empty(2, np.float32), np.empty(3, np.float32), partner)
+    n = mutually_nearest(
+        first, second, np.empty(3, np.float32), np.empty(2, np.float32), np.empty(3, np.float32), partner
+    )
     assert n == 1
     np.testing.assert_array_equal(partner, [0, -1])

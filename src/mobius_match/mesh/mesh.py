@@ -69,9 +69,7 @@ class Mesh:
             given = getattr(self, field)
             ids = np.arange(length) if given is None else _as_array(given, field, self.name)
             if ids.shape != (length,) or ids.dtype.kind not in "iu":
-                raise MeshError(
-                    f"{self.name}: {field} must be {length} integers, not {ids.dtype} {ids.shape}."
-                )
+                raise MeshError(f"{self.name}: {field} must be {length} integers, not {ids.dtype} {ids.shape}.")
             fill[field] = _frozen(ids, np.int64)
         if self.n_file_vertices < 0:
             fill["n_file_vertices"] = len(vertices)
@@ -106,9 +104,7 @@ def _frozen(values: NDArray[Any], dtype: type) -> NDArray[Any]:
 def _check_vertices(values: Any, name: str) -> Floats:
     array = _as_array(values, "vertices", name)
     if array.ndim != 2 or array.shape[1] != 3 or array.dtype.kind not in "fiu":
-        raise MeshError(
-            f"{name}: vertices must be numbers of shape (n, 3), not {array.dtype} of shape {array.shape}."
-        )
+        raise MeshError(f"{name}: vertices must be numbers of shape (n, 3), not {array.dtype} of shape {array.shape}.")
     with np.errstate(over="ignore"):
         vertices = _frozen(array, np.float64)
     bad = np.flatnonzero(~np.isfinite(vertices).all(axis=1))
