@@ -101,7 +101,8 @@ class Surface:
         del values["mesh"]
         values |= {"format": FORMAT, "version": VERSION, "settings": asdict(self.settings)}
         buffer = io.BytesIO()
-        np.savez(buffer, values=np.array(json.dumps(values | mesh_values, default=str)), **arrays, **mesh_arrays)
+        arrays |= mesh_arrays | {"values": np.array(json.dumps(values | mesh_values, default=str))}
+        np.savez(buffer, allow_pickle=False, **arrays)
         write_atomically(Path(path), buffer.getvalue())
 
     @classmethod

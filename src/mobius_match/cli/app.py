@@ -7,6 +7,7 @@ from typing import Annotated
 import typer
 
 from .. import __version__
+from .bench import bench
 from .common import guarded
 from .demo import demo
 from .info import info
@@ -41,5 +42,5 @@ def mobius(
     """
 
 
-for command in (match, info, demo):
+for command in (match, info, demo, bench):
     app.command()(guarded(command))

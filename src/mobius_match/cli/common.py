@@ -105,9 +105,10 @@ class Reporter:
     def __enter__(self) -> Reporter:
         if not self.quiet and sys.stderr.isatty():
             from rich.console import Console
-            from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+            from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
-            columns = (TextColumn("{task.description}", markup=False), BarColumn(), TimeElapsedColumn())
+            name, left = TextColumn("{task.description}", markup=False), TextColumn("left:", markup=False)
+            columns = (name, BarColumn(), TimeElapsedColumn(), left, TimeRemainingColumn())
             self.bar = Progress(*columns, console=Console(stderr=True), transient=True)
             self.bar.start()
         return self

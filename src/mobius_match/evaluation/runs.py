@@ -1,0 +1,370 @@
+"""A method run over all pairs of a data set, in several processes, and the folder that keeps what came out.
+
+``run.json`` says what was run and with which settings, ``pairs/NAME.json`` is the record of a pair. Each file appears
+whole or not at all, so a run that was ended at any moment can be resumed.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import platform
+import shutil
+import sys
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cache, lru_cache
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..correspondence import write_atomically
+from ..errors import FormatError, MobiusError, SettingsError
+from ..matching import match
+from ..mesh import Mesh
+from ..settings import MatchSettings, make_settings
+from ..surface import Progress, Surface, matchable, prepare
+from .datasets import Case, Dataset
+from .pool import Died, in_processes
+from .scoring import Scorer, cached_diameter, mesh_area
+from .vertexlists import read_vertices
+
+FORMAT = "mobius-match/bench-run"
+VERSION = 1
+
+
+@dataclass(frozen=True, eq=False)
+class Run:
+    """What a run left: its folder, the content of ``run.json``, and the records of the pairs in order."""
+
+    folder: Path
+    info: dict[str, Any]
+    records: list[dict[str, Any]]
+
+
+def run(
+    dataset: Dataset,
+    out: str | os.PathLike[str],
+    *,
+    scoring: str = "exact",
+    jobs: int | None = None,
+    resume: bool = False,
+    maps: str | os.PathLike[str] | None = None,
+    index_base: int | None = None,
+    preset: str | None = None,
+    progress: Progress | None = None,
+    **settings: Any,
+) -> Run:
+    """Match all pairs of a data set, or take dense maps made by another program, and measure the errors.
+
+    Parameters
+    ----------
+    dataset
+        Of :func:`find_dataset`.
+    out
+        Folder for the records; made if need be.
+    scoring
+        Geodesics that errors are measured by: ``"exact"``, or ``"heat"``, which is quicker.
+    jobs
+        Processes; None uses every processor. The result does not depend on it.
+    resume
+        Go on with the run that ``out`` holds; pairs that failed are tried again.
+    maps
+        Folder of dense maps, which are scored instead of matching: ``PAIR.txt`` (``cat0-cat1.txt``) holds for each
+        vertex of the source the vertex of the target, a line each, -1 for none.
+    index_base
+        Number of the first vertex in these files, 0 or 1.
+    preset, **settings
+        As for :func:`mobius_match.match`.
+    progress
+        Called as ``progress(stage, done, total)``.
+
+    Raises
+    ------
+    SettingsError
+        A setting is out of range; ``out`` holds a run and ``resume`` is not set, or a run of something else.
+
+    Notes
+    -----
+    This starts processes, so a script that calls it needs the usual ``if __name__ == "__main__":``.
+    """
+    chosen = make_settings(preset, **{**settings, "jobs": 1})
+    if scoring not in ("exact", "heat"):
+        raise SettingsError(f"scoring is {scoring!r}; choose exact or heat")
+    if (maps is None) != (index_base is None) or index_base not in (None, 0, 1):
+        raise SettingsError("maps need index_base, 0 or 1, the number of the first vertex in them; nothing else does")
+    if jobs is not None and not 1 <= jobs <= 1024:
+        raise SettingsError(f"jobs is {jobs}; give a number from 1 to 1024")
+    folder = Path(out)
+    info = _describe(dataset, chosen, preset, scoring, maps, index_base)
+    _open(folder, info, resume)
+    tell = progress or (lambda stage, done, total: None)
+    waiting = {case.name: case for case in dataset.cases if not _is_done(_record_path(folder, case.name))}
+    processes = min(jobs or os.cpu_count() or 1, max(len(waiting), 1))
+    unusable: dict[str, str] = {}
+    if maps is None:
+        unusable = _prepare_all(waiting, folder, chosen, processes, tell)
+    tasks: dict[Any, tuple[Any, ...]] = {}
+    for case in waiting.values():
+        errors = [unusable[str(path)] for path in (case.source, case.target) if str(path) in unusable]
+        if errors:
+            _write_record(folder, _failed(case, errors[0]))
+        elif maps is None:
+            tasks[case.name] = (_match_pair, case, scoring, folder, chosen)
+        else:
+            tasks[case.name] = (_score_map, case, scoring, Path(maps) / f"{case.name}.txt", index_base)
+    total = len(dataset.cases)
+    tell("pairs", total - len(tasks), total)
+    for done, (name, record) in enumerate(in_processes(_record, tasks, processes), start=total - len(tasks) + 1):
+        _write_record(folder, _failed(waiting[str(name)], DIED) if record is Died else record)
+        tell("pairs", done, total)
+    shutil.rmtree(folder / "surfaces", ignore_errors=True)
+    return load_run(folder)
+
+
+def load_run(folder: str | os.PathLike[str]) -> Run:
+    """Read the folder of a run; pairs that are not done yet are missing.
+
+    Raises
+    ------
+    FormatError
+        If it holds no run of this version, or a damaged one.
+    """
+    folder = Path(folder)
+    info = _read_json(folder / "run.json")
+    if not isinstance(info, dict) or (info.get("format"), info.get("version")) != (FORMAT, VERSION):
+        raise FormatError(f"{folder / 'run.json'}: not a run of mobius bench that this version reads; make it again")
+    paths = [_record_path(folder, name) for name in info["cases"]]
+    return Run(folder, info, [_read_json(path) for path in paths if path.exists()])
+
+
+DIED = "the process that worked on it ended; most often there is not enough memory, fewer --jobs need less"
+
+
+def _describe(
+    dataset: Dataset,
+    settings: MatchSettings,
+    preset: str | None,
+    scoring: str,
+    maps: str | os.PathLike[str] | None,
+    index_base: int | None,
+) -> dict[str, Any]:
+    """The content of run.json."""
+    names = ("mobius-match", "numpy", "scipy", "numba", "libigl", "potpourri3d")
+    chosen = {name: value for name, value in settings.to_dict().items() if name != "jobs"}
+    return {
+        "format": FORMAT,
+        "version": VERSION,
+        "dataset": {"path": str(dataset.path), "layout": dataset.layout, "sha256": _digest(dataset)},
+        "settings": {**chosen, "preset": preset},
+        "scoring": {"geodesics": scoring},
+        "maps": None if maps is None else {"folder": str(maps), "index_base": index_base},
+        "software": {name: version(name) for name in names} | {"python": platform.python_version()},
+        "cases": [case.name for case in dataset.cases],
+    }
+
+
+def _digest(dataset: Dataset) -> str:
+    """One number for all that is read: meshes, truth, pairs."""
+    digest = hashlib.sha256()
+
+    @cache
+    def file(path: Path) -> bytes:
+        return hashlib.sha256(path.read_bytes()).digest()
+
+    for case in dataset.cases:
+        digest.update(f"{case.name}\n{case.category}\n{case.truth.landmarks}\n".encode())
+        digest.update(file(case.source) + file(case.target))
+        for values in (case.truth.source, case.truth.target, case.truth.mirrored):
+            digest.update(b"-" if values is None else hashlib.sha256(values.astype("<i8").tobytes()).digest())
+    return digest.hexdigest()
+
+
+def _open(folder: Path, info: dict[str, Any], resume: bool) -> None:
+    """Make the folder of a new run, or check that the one that is there is of the same."""
+    path = folder / "run.json"
+    if path.exists():
+        if not resume:
+            raise SettingsError(
+                f"{folder} holds a run already; continue it with --resume, or name another folder by -o"
+            )
+        held = load_run(folder).info
+        names = {"sha256": "meshes, truth or pairs", "geodesics": "scoring geodesics"}
+        for part in ("dataset", "settings", "scoring", "maps", "software", "cases"):
+            old, new = (x[part] if isinstance(x[part], dict) else {part: x[part]} for x in (held, info))
+            for key in old | new:
+                if old.get(key) != new.get(key) and key not in ("path", "folder"):
+                    raise SettingsError(
+                        f"{folder} holds a run with other {names.get(key, key)} ({old.get(key)!r:.80}, now "
+                        f"{new.get(key)!r:.80}), which cannot be resumed; name another folder by -o"
+                    )
+    try:
+        for part in ("pairs", "surfaces"):
+            (folder / part).mkdir(parents=True, exist_ok=True)
+            for half in (folder / part).glob(".*"):  # of a run that was killed
+                half.unlink()
+        if not path.exists():
+            write_atomically(path, _json(info))
+    except OSError as error:
+        raise SettingsError(f"the folder {folder} cannot be written ({error.strerror}); name another by -o") from error
+
+
+def _prepare_all(
+    cases: dict[str, Case], folder: Path, settings: MatchSettings, processes: int, tell: Callable[[str, int, int], None]
+) -> dict[str, str]:
+    """Prepare each mesh that a pair needs, once; give what is wrong with those that cannot be."""
+    needed = {str(path) for case in cases.values() for path in (case.source, case.target)}
+    tasks: dict[Any, tuple[Any, ...]] = {
+        path: (path, _surface_path(folder, path), settings)
+        for path in sorted(needed)
+        if not _surface_path(folder, path).exists()
+    }
+    unusable = {}
+    tell("meshes", len(needed) - len(tasks), len(needed))
+    results = in_processes(_prepare_one, tasks, processes)
+    for done, (path, error) in enumerate(results, start=len(needed) - len(tasks) + 1):
+        if error is not None:
+            unusable[str(path)] = DIED if error is Died else error
+        tell("meshes", done, len(needed))
+    return unusable
+
+
+def _prepare_one(path: str, out: Path, settings: MatchSettings) -> str | None:
+    """In a worker: prepare a mesh and keep it; the message if that fails."""
+    try:
+        prepare(path, settings.preparation()).save(out)
+    except Exception as error:  # noqa: BLE001  # one mesh must not end the run
+        return _message(error)
+    return None
+
+
+def _surface_path(folder: Path, mesh: str | Path) -> Path:
+    return folder / "surfaces" / f"{hashlib.sha256(str(mesh).encode()).hexdigest()[:32]}.npz"
+
+
+def _record(work: Callable[..., dict[str, Any]], case: Case, *arguments: Any) -> dict[str, Any]:
+    """In a worker: the record of a pair, whatever happens."""
+    try:
+        return {**_head(case), "status": "done", "error": None, **work(case, *arguments), "memory_mb": _peak_memory()}
+    except Exception as error:  # noqa: BLE001  # one pair must not end the run
+        return _failed(case, _message(error))
+
+
+def _head(case: Case) -> dict[str, Any]:
+    return {"name": case.name, "category": case.category, "source": str(case.source), "target": str(case.target)}
+
+
+def _failed(case: Case, message: str) -> dict[str, Any]:
+    return {**_head(case), "status": "failed", "error": message}
+
+
+def _message(error: Exception) -> str:
+    return str(error) if isinstance(error, MobiusError) else f"{type(error).__name__}: {error}"
+
+
+def _match_pair(case: Case, scoring: str, folder: Path, settings: MatchSettings) -> dict[str, Any]:
+    """In a worker: match two prepared meshes and score the matches."""
+    source, target = (_load_surface(_surface_path(folder, path)) for path in (case.source, case.target))
+    result = match(source, target, **settings.to_dict())
+    timings = {f"source {name}": seconds for name, seconds in source.timings.items()}
+    timings |= {f"target {name}": seconds for name, seconds in target.timings.items()}
+    timings |= {name: result.timings[name] for name in ("voting", "matrix processing")}
+    timings["total"] = sum(timings.values())
+    start = time.perf_counter()
+    scored = _scorer(case, source.mesh, target.mesh, scoring)
+    found = scored.score(result.pairs, result.confidence)
+    timings["scoring"] = time.perf_counter() - start
+    return {
+        "pairs": result.pairs.tolist(),
+        "confidence": _numbers(result.confidence),
+        "kind": result.kind.tolist(),
+        "direct": _numbers(found["direct"]),
+        "mirrored": _numbers(found["mirrored"]),
+        "heat_difference": found["heat_difference"],
+        "diameter": scored.diameter,
+        "area": mesh_area(target.mesh),
+        "coverage": found["coverage"],
+        "ranking": found["ranking"],
+        "dense": None,
+        "warnings": list(result.warnings),
+        "timings": timings,
+    }
+
+
+def _score_map(case: Case, scoring: str, path: Path, index_base: int) -> dict[str, Any]:
+    """In a worker: score a dense map that another program made."""
+    start = time.perf_counter()
+    dense = read_vertices(path, index_base, gaps=True)
+    source, target = matchable(case.source), matchable(case.target)
+    scored = _scorer(case, source, target, scoring)
+    found = scored.score_map(dense)
+    return {
+        "pairs": [],
+        "confidence": [],
+        "kind": [],
+        "direct": [],
+        "mirrored": None if found["mirrored"] is None else [],
+        "heat_difference": found["heat_difference"],
+        "diameter": scored.diameter,
+        "area": mesh_area(target),
+        "coverage": {},
+        "ranking": None,
+        "dense": {
+            "direct": _numbers(found["direct"]),
+            "mirrored": _numbers(found["mirrored"]),
+            "unmapped": found["unmapped"],
+        },
+        "warnings": [],
+        "timings": {"scoring": time.perf_counter() - start},
+    }
+
+
+@lru_cache(maxsize=8)
+def _load_surface(path: Path) -> Surface:
+    return Surface.load(path)
+
+
+def _scorer(case: Case, source: Mesh, target: Mesh, scoring: str) -> Scorer:
+    return Scorer(case, source, target, scoring, cached_diameter(target, scoring))
+
+
+def _numbers(values: np.ndarray | None) -> list[float | None] | None:
+    """For JSON, to nine digits; null where there is none."""
+    return None if values is None else [None if v != v else float(f"{v:.9g}") for v in values.tolist()]
+
+
+def _peak_memory() -> float | None:
+    """The most memory that this process has used, in MB, where the system tells."""
+    try:
+        import resource
+    except ImportError:
+        return None
+    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    return peak / (1e6 if sys.platform == "darwin" else 1e3)
+
+
+def _record_path(folder: Path, name: str) -> Path:
+    return folder / "pairs" / f"{name}.json"
+
+
+def _is_done(path: Path) -> bool:
+    return path.exists() and _read_json(path).get("status") == "done"
+
+
+def _write_record(folder: Path, record: dict[str, Any]) -> None:
+    write_atomically(_record_path(folder, record["name"]), _json(record))
+
+
+def _json(content: Any) -> bytes:
+    return (json.dumps(content, indent=1, allow_nan=False) + "\n").encode()
+
+
+def _read_json(path: Path) -> Any:
+    try:
+        return json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError) as error:
+        raise FormatError(f"{path}: cannot be read ({error}); is this the folder of a run of mobius bench?") from error
