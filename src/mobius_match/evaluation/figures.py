@@ -1,0 +1,229 @@
+"""Figures of an evaluation: the paper's figures 8 and 9, cumulative error curves, confidence against error.
+
+Every figure can be read in grey and by the colour-blind: lines differ in dashes and markers as well, and the colours of
+the error matrix get darker all the way. The same numbers give the same bytes.
+"""
+
+from __future__ import annotations
+
+import io
+import warnings
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from .page import printable
+from .summary import over_pairs
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+BLUE, ORANGE, GREEN = "#0072b2", "#d55e00", "#00795a"
+STYLES: dict[str, dict[str, Any]] = {
+    "direct": {"color": BLUE, "linestyle": "-", "marker": "o"},
+    "mirrored": {"color": ORANGE, "linestyle": "--", "marker": "^"},
+    "better": {"color": GREEN, "linestyle": ":", "marker": "s"},
+}
+"""How the lines of the three truths look."""
+_COLOURS = (BLUE, ORANGE, GREEN, "#cc79a7", "#56b4e9", "#000000", "#a6761d", "#7570b3")
+_DASHES = ("-", "--", "-.", ":", (0, (5, 1, 1, 1, 1, 1)))
+_MARKERS = "o^sDvPX*"
+WIDTH = 10.9
+"""Of a figure as wide as the page, in inches."""
+MOST_NAMES = 70
+"""More rows than this have no room for their names in the error matrix."""
+MATRIX_TOP = 0.20
+"""Error per diameter at which the colours of the matrix end."""
+
+
+@dataclass(frozen=True)
+class Line:
+    """A labelled curve; NaN leaves a gap."""
+
+    label: str
+    values: np.ndarray
+    style: dict[str, Any]
+
+
+def run_style(number: int) -> dict[str, Any]:
+    """How the line of one of several runs looks."""
+    return {
+        "color": _COLOURS[number % len(_COLOURS)],
+        "linestyle": _DASHES[number % len(_DASHES)],
+        "marker": _MARKERS[number % len(_MARKERS)],
+    }
+
+
+def draw(make: Callable[..., Figure], *arguments: Any, **options: Any) -> tuple[bytes, bytes]:
+    """The figure that ``make`` makes, as the bytes of an SVG and of a PNG file."""
+    with _style():
+        figure = make(*arguments, **options)
+        svg, png = io.BytesIO(), io.BytesIO()
+        figure.savefig(svg, format="svg", metadata={"Date": None, "Creator": None})
+        figure.set_layout_engine("none")  # keep the layout, which is much of the time
+        figure.savefig(png, format="png", dpi=150, metadata={"Software": None})
+    return svg.getvalue(), png.getvalue()
+
+
+@contextmanager
+def _style() -> Iterator[None]:
+    """Matplotlib's own defaults whatever the user has set up, and names for the parts that do not change."""
+    from matplotlib import style
+
+    changes = {
+        "svg.hashsalt": "mobius-match",
+        "font.family": "DejaVu Sans",
+        "font.size": 9,
+        "axes.spines.top": False,
+        "axes.spines.right": False,
+        "axes.grid": True,
+        "grid.color": "#dde1e7",
+        "grid.linewidth": 0.6,
+        "axes.axisbelow": True,
+        "axes.titlesize": 10,
+        "axes.titlelocation": "left",
+        "legend.frameon": False,
+        "figure.facecolor": "white",
+        "hatch.linewidth": 0.4,
+    }
+    with style.context(["default", changes]), warnings.catch_warnings():
+        warnings.filterwarnings("ignore", message="Glyph .* missing")  # a name in a script that the font lacks
+        yield
+
+
+def _new(width: float, height: float, columns: int = 1) -> tuple[Figure, list[Axes]]:
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(width, height), layout="constrained")
+    return figure, list(figure.subplots(1, columns, squeeze=False)[0])
+
+
+def label(text: str, most: int = 40) -> str:
+    """A name as it stands in a figure: no formula, one line, not too long."""
+    text = printable(text)
+    return text if len(text) <= most else text[: most - 1] + "…"
+
+
+def error_matrix(
+    names: Sequence[str], categories: Sequence[str], panels: dict[str, np.ndarray], marks: Sequence[int] = ()
+) -> Figure:
+    """A row a pair, a column a correspondence in order of confidence, coloured by its error per diameter.
+
+    Parameters
+    ----------
+    names, categories
+        P names of pairs, and the category of each.
+    panels
+        Title to errors (P, K); NaN, where a pair has no such match, is hatched.
+    marks
+        Numbers of matches at which a line is drawn.
+    """
+    from matplotlib.colors import Normalize
+
+    n_rows = len(names)
+    # One row needs the height of its name; many share the height of a page.
+    height = min(0.155 * n_rows, 10) if n_rows > MOST_NAMES else 0.155 * n_rows
+    figure, all_axes = _new(WIDTH, height + 1.5, len(panels))
+    norm = Normalize(0, MATRIX_TOP)
+    edges = [k for k in range(1, n_rows) if categories[k] != categories[k - 1]]
+    for axes, (title, table) in zip(all_axes, panels.items(), strict=True):
+        axes.grid(False)
+        axes.patch.set(facecolor="#eef0f3", hatch="////", edgecolor="#b9c0ca")
+        extent = (0.5, table.shape[1] + 0.5, n_rows - 0.5, -0.5)
+        image = axes.imshow(table, "magma_r", norm, aspect="auto", interpolation="none", extent=extent)
+        axes.set_title(label(title), parse_math=False)
+        axes.set_xlabel("correspondence, in order of confidence")
+        for edge in edges:
+            axes.axhline(edge - 0.5, color="black", linewidth=0.8)
+        for mark in marks:
+            if mark < table.shape[1]:
+                axes.axvline(mark + 0.5, color="black", linewidth=0.6, linestyle=(0, (4, 3)))
+        axes.set_yticks([])
+    starts = [0, *edges]
+    if n_rows <= MOST_NAMES:
+        all_axes[0].set_yticks(range(n_rows), [label(name) for name in names], fontsize=7.5, parse_math=False)
+    elif len(starts) <= MOST_NAMES:
+        middles = [(a + b - 1) / 2 for a, b in zip(starts, [*edges, n_rows], strict=True)]
+        all_axes[0].set_yticks(middles, [label(categories[a]) for a in starts], fontsize=7.5, parse_math=False)
+    all_axes[0].tick_params(axis="y", length=0)
+    bar = figure.colorbar(
+        image, ax=all_axes, location="top", extend="max", shrink=0.6, aspect=45, ticks=[0, 0.03, 0.05, 0.1, 0.15, 0.2]
+    )
+    bar.set_label("geodesic error per diameter of the target (hatched: no match)")
+    return figure
+
+
+def first_matches(panels: dict[str, np.ndarray], styles: Sequence[str], bins: int = 25) -> Figure:
+    """Mean and median error of the k-th match over the pairs, and the histogram of all these errors.
+
+    ``panels`` is as in :func:`error_matrix`, ``styles`` names the ``STYLES`` of its entries.
+    """
+    figure, (curve, histogram) = _new(WIDTH, 3.9, 2)
+    for name, (title, table) in zip(styles, panels.items(), strict=True):
+        look = {key: value for key, value in STYLES[name].items() if key == "color"}
+        ranks = np.arange(1, table.shape[1] + 1)
+        marker = {"marker": STYLES[name]["marker"], "markevery": 5, "markersize": 4}
+        curve.plot(ranks, over_pairs(table, np.mean), "-", label=f"{title}: mean", **look, **marker)
+        curve.plot(ranks, over_pairs(table, np.median), ":", label=f"{title}: median", **look, **marker, mfc="white")
+        values = table[~np.isnan(table)]
+        edges = np.linspace(0, 0.25, bins + 1)
+        counts = np.histogram(np.minimum(values, edges[-1] - 1e-9), edges)[0] / max(len(values), 1)
+        dashes = STYLES[name]["linestyle"]
+        histogram.stairs(counts, edges, label=title, **look, linewidth=1.6, linestyle=dashes, fill=False)
+        if name == styles[0]:
+            histogram.stairs(counts, edges, color=STYLES[name]["color"], alpha=0.18, fill=True)
+    curve.axhline(0.03, color="0.35", linewidth=0.8)
+    curve.text(1.005, 0.03, "3 %", transform=curve.get_yaxis_transform(), va="center", fontsize=8)
+    curve.set(
+        xlabel="correspondence, in order of confidence", ylabel="error per diameter", xlim=(0, None), ylim=(0, None)
+    )
+    curve.set_title("Mean and median over the pairs", parse_math=False)
+    curve.set_ylim(0, 1.15 * curve.get_ylim()[1] + 0.01)  # room for the legend
+    curve.legend(loc="upper left", ncols=len(panels))
+    histogram.set(xlabel="error per diameter (last bar: and more)", ylabel="share of the matches", xlim=(0, 0.25))
+    histogram.set_title("How the errors are spread", parse_math=False)
+    histogram.legend()
+    return figure
+
+
+def curves(
+    panels: dict[str, Sequence[Line]], x: np.ndarray, x_label: str, y_label: str, top: float | None = None
+) -> Figure:
+    """Curves over the same ``x``, a panel a title, side by side with the same scales."""
+    figure, all_axes = _new(WIDTH if len(panels) > 1 else 7, 4.2, len(panels))
+    highest = [float(np.nanmax(line.values)) for lines in panels.values() for line in lines if len(line.values)]
+    limit = top if top is not None else 1.06 * max([h for h in highest if h == h], default=0) or 1.0
+    for axes, (title, lines) in zip(all_axes, panels.items(), strict=True):
+        for k, line in enumerate(lines):
+            every = (2 * k, max(len(x) // 10, 1))  # markers of equal lines stand side by side
+            axes.plot(x, line.values, label=label(line.label), markevery=every, markersize=4.5, **line.style)
+        axes.set(xlim=(float(x[0]), float(x[-1])), ylim=(0, limit), xlabel=x_label, ylabel=y_label)
+        axes.set_title(label(title), parse_math=False)
+        if lines:
+            for text in axes.legend(loc="best").get_texts():
+                text.set_parse_math(False)
+    return figure
+
+
+def calibration(bins: np.ndarray, counts: np.ndarray, shares: dict[str, np.ndarray]) -> Figure:
+    """For each bin of the confidence the share of matches that are near the truth, and how many matches there are."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(5.4, 4.2), layout="constrained")
+    upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=(3, 1))
+    middles = (bins[1:] + bins[:-1]) / 2
+    for k, (name, values) in enumerate(shares.items()):
+        shift = 0.008 * (k - (len(shares) - 1) / 2)
+        title = {"better": "better of both"}.get(name, name)
+        upper.plot(middles + shift, values, **STYLES[name], markersize=6, linewidth=1.2, label=title)
+    upper.set(ylim=(-0.03, 1.03), xlim=(0, 1), ylabel="share within 5 %\nof the diameter")
+    if len(shares) > 1:
+        upper.legend(loc="lower right")
+    lower.bar(middles, counts, np.diff(bins) * 0.9, color="#9aa4b2", edgecolor="#566172", linewidth=0.6)
+    lower.set(xlabel="confidence", ylabel="matches")
+    lower.set_xticks(bins)
+    return figure

@@ -1,0 +1,139 @@
+"""The report of a run: one page that needs nothing else, its figures as files, and its numbers as CSV and JSON.
+
+All that differs between two runs of the same settings (times, memory) stands in one section of the page
+(``id="times"``), in the columns of ``pairs.csv`` that end in ``_seconds`` or ``_mb``, and
+under ``"times"`` in ``summary.json``.
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import math
+from collections.abc import Iterable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from ..correspondence import write_atomically
+from . import sections, summary
+from .comparison import write_comparison
+from .page import page, save_figures, section
+from .words import definitions
+
+if TYPE_CHECKING:
+    from .runs import Run
+
+__all__ = ["pairs_csv", "summary_json", "write_comparison", "write_report"]
+
+FORMAT, VERSION = "mobius-match/bench-summary", 1
+
+
+def write_report(run: Run, folder: Path) -> Path:
+    """Write ``report.html``, ``figures/``, ``pairs.csv`` and ``summary.json`` into a folder.
+
+    The same records give the same bytes. A run in which every pair failed has a report as well.
+
+    Parameters
+    ----------
+    run
+        A finished or interrupted run.
+    folder
+        Where to write; made if it is not there.
+
+    Returns
+    -------
+    path
+        The page.
+    """
+    folder = Path(folder)
+    files: dict[str, bytes] = {}
+    name = summary.dataset_name(run.info)
+    content = page(f"Evaluation: {name}", *_content(run, files))
+    save_figures(folder, files)
+    for old in (folder / "figures").glob("worst-*.png"):  # of an earlier report in which more pairs could be drawn
+        if old.name not in files:
+            old.unlink()
+    write_atomically(folder / "pairs.csv", pairs_csv(run).encode(errors="replace"))
+    write_atomically(folder / "summary.json", summary_json(run).encode())
+    write_atomically(folder / "report.html", content)
+    return folder / "report.html"
+
+
+def _content(run: Run, files: dict[str, bytes]) -> Iterable[str]:
+    records = run.records
+    variants = summary.variants(records)
+    yield sections.head(run.info, records, variants)
+    yield sections.failures(run.info, records)
+    if summary.done(records):
+        yield section("Errors against the truth", sections.errors(records, variants))
+        if any(record["pairs"] for record in summary.done(records)):
+            yield section("Match by match (figures 8 and 9 of the paper)", *sections.paper(records, variants, files))
+            yield section("Confidence against error", *sections.confidence(records, variants, files))
+            yield section("The worst pairs", *sections.worst(run.info, records, variants, files))
+        yield section("Cumulative errors", sections.cumulative(records, variants, files))
+        yield section("Categories", sections.categories(records, variants))
+        yield section("Time and memory", *sections.times(records), id="times")
+        yield section("Every pair", sections.every_pair(records, variants))
+    yield section("Settings and versions", *sections.settings(run.info))
+    yield section("How this is measured", definitions(run.info, records))
+
+
+def pairs_csv(run: Run) -> str:
+    """One row a pair, failed ones included; see :func:`mobius_match.evaluation.summary.row`."""
+    rows = [summary.row(record, run.info) for record in run.records]
+    columns = list(dict.fromkeys(name for row in rows for name in row))
+    columns.sort(key=summary.is_time)  # stable: what differs between runs comes last
+    text = io.StringIO()
+    writer = csv.DictWriter(text, columns, lineterminator="\n")
+    writer.writeheader()
+    writer.writerows(rows)
+    return text.getvalue()
+
+
+def summary_json(run: Run) -> str:
+    """The numbers of the page for programs; nothing is null but what could not be measured."""
+    records = run.records
+    variants = summary.variants(records)
+    content = {
+        "format": FORMAT,
+        "version": VERSION,
+        "dataset": summary.dataset_name(run.info),
+        "pairs": summary.n_cases(run.info, records),
+        "done": len(summary.done(records)),
+        "failed": {
+            record["name"]: summary.message(record, run.info) for record in records if record["status"] != "done"
+        },
+        "errors": {variant: summary.headline(records, variant) for variant in variants},
+        "surface": summary.surface_numbers(records),
+        "categories": {
+            category: {variant: summary.headline(group, variant) for variant in variants}
+            for category, group in summary.by_category(records).items()
+        },
+        "cumulative": {
+            "per_sqrt_area": summary.THRESHOLDS.tolist(),
+            **{
+                f"{kind}_{variant}": curve.tolist()
+                for kind in ("sparse", "dense")
+                for variant in variants
+                if (curve := summary.cumulative(records, variant, kind == "dense")) is not None
+            },
+        },
+        "maps": summary.maps(run.info),
+        "settings": run.info["settings"],
+        "scoring": run.info["scoring"],
+        "software": run.info["software"],
+        "times": {
+            "seconds": summary.seconds(records),
+            "memory_mb": summary.memory(records),
+        },
+    }
+    return json.dumps(_without_nan(content), indent=1, allow_nan=False) + "\n"
+
+
+def _without_nan(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {key: _without_nan(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [_without_nan(item) for item in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value
