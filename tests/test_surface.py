@@ -1,0 +1,61 @@
+"""Prepared surfaces on the disk."""
+
+from dataclasses import fields
+
+import numpy as np
+import pytest
+
+import mobius_match as mm
+from mobius_match.errors import FormatError
+from tests.shapes import lump
+
+
+@pytest.fixture(scope="module")
+def surface(tmp_path_factory):
+    import trimesh
+
+    vertices, faces = lump(2)
+    path = tmp_path_factory.mktemp("mesh") / "lump.off"
+    # One vertex more, that no face uses: numbers of the file and of the repaired mesh differ.
+    mesh = trimesh.Trimesh(np.vstack([[9.0, 9.0, 9.0], vertices]), faces + 1, process=False)
+    path.write_bytes(mesh.export(file_type="off", digits=17).encode())
+    return mm.prepare(path, samples=20)
+
+
+def same(first, second):
+    if isinstance(first, np.ndarray):
+        return first.dtype == second.dtype and np.array_equal(first, second)
+    return type(first) is type(second) and first == second
+
+
+def test_a_saved_surface_comes_back_as_it_was(surface, tmp_path):
+    surface.save(tmp_path / "surface.npz")
+    found = mm.Surface.load(tmp_path / "surface.npz")
+    assert surface.mesh.vertex_ids[0] == 1
+    assert surface.mesh.notes
+    for record, loaded in ((surface, found), (surface.mesh, found.mesh)):
+        for field in fields(record):
+            if field.name != "mesh":
+                assert same(getattr(record, field.name), getattr(loaded, field.name)), field.name
+    with pytest.raises(ValueError, match="read-only"):
+        found.mesh.vertices[0] = 0
+
+
+def test_a_mesh_without_a_file_too(tmp_path):
+    surface = mm.prepare(lump(2), samples=10)
+    surface.save(tmp_path / "surface.npz")
+    assert mm.Surface.load(tmp_path / "surface.npz").mesh.path is None
+
+
+def test_damaged_files_are_refused(surface, tmp_path):
+    whole, path = tmp_path / "whole.npz", tmp_path / "bad.npz"
+    surface.save(whole)
+    for content in (b"", b"no archive", whole.read_bytes()[:5000]):
+        path.write_bytes(content)
+        with pytest.raises(FormatError, match=r"bad\.npz"):
+            mm.Surface.load(path)
+    np.savez(path, values=np.array('{"format": "other", "version": 1}'))
+    with pytest.raises(FormatError, match=r"bad\.npz.*prepare the mesh again"):
+        mm.Surface.load(path)
+    with pytest.raises(FormatError, match=r"none\.npz"):
+        mm.Surface.load(tmp_path / "none.npz")
