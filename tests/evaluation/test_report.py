@@ -174,6 +174,7 @@ def test_without_a_mirrored_truth_there_is_no_mirrored_column(tmp_path, undrawn)
 
 def test_matches_whose_truth_is_not_known_do_not_count(tmp_path, undrawn):
     page = written(run([record("a-b", direct=[0.01, None, 0.03] * 15)]), tmp_path)
+    assert page.values("Means over pairs")["matches whose true point is known"] == {"direct": "30.0"}
     assert page.values("Means over pairs")["mean of the first 45, per diameter"]["direct"] == "0.020"
 
 
@@ -309,3 +310,10 @@ def test_the_worst_pairs_are_drawn_and_those_whose_meshes_are_gone_are_named(tmp
 def test_the_geodesics_of_the_scoring_are_stated(tmp_path, undrawn, scoring, said):
     page = written(run([record("a-b", direct=[0.01] * 3)], scoring={"geodesics": scoring}), tmp_path)
     assert said in page.text
+
+
+def test_the_better_truth_is_drawn_only_where_it_is_another(report, tmp_path):
+    assert "better of both" in report[1].tables["Within 5 % of the diameter"][0]
+    page = written(run(usual()[:1]), tmp_path)
+    assert page.tables["Within 5 % of the diameter"][0] == ["confidence", "matches", "direct"]
+    assert "Direct is the better of both truths in every pair" in page.text

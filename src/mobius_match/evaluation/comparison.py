@@ -13,7 +13,7 @@ import numpy as np
 from ..correspondence import write_atomically
 from ..errors import SettingsError
 from . import figures, summary
-from .page import Markup, figure, number, page, save_figures, section, table, tag
+from .page import Markup, figure, number, page, save_figures, section, table, tag, words
 from .sections import COLUMNS, measure
 from .words import MEASURES, TITLES
 
@@ -77,13 +77,16 @@ def write_comparison(runs: Sequence[Run], folder: Path) -> Path:
 
 
 def run_names(folders: Sequence[Path]) -> list[str]:
-    """The folders' own names; with those above them, or a number, as far as it takes to tell them apart."""
-    parts = [folder.resolve().parts for folder in folders]
-    for length in range(1, max(map(len, parts)) + 1):
-        names = ["/".join(part[-length:]) for part in parts]
-        if len(set(names)) == len(names):
-            return names
-    return [f"{folder.name} ({k})" for k, folder in enumerate(folders, 1)]
+    """The folders' own names; with those above them, as far as it takes to tell them apart."""
+    parts = [folder.resolve().parts[1:] for folder in folders]
+    names = []
+    for k, mine in enumerate(parts):
+        others = parts[:k] + parts[k + 1 :]
+        unique = (n for n in range(1, len(mine) + 1) if all(mine[-n:] != other[-n:] for other in others))
+        length = next(unique, None)
+        # The same folder twice, or one that ends as another does, can only be numbered.
+        names.append("/".join(mine[-length:]) if length else f"{'/'.join(mine[-1:])} ({k + 1})")
+    return names
 
 
 def common_pairs(runs: Sequence[Run]) -> tuple[list[str], list[list[dict[str, Any]]]]:
@@ -234,7 +237,7 @@ def _changes(names: Sequence[str], rows: list[dict[str, Any]]) -> list[Markup]:
         counts = ", ".join(f"{sum(row['verdict'] == word for row in block)} {word}" for word in ORDER[::-1])
         caption = f"{names[0]} to {run}: {COMPARED[key]}, {TITLES[variant]}: {counts}"
         cells = [(r["pair"], _error(r["before"]), _error(r["after"]), _change(r), r["verdict"]) for r in block]
-        parts.append(table(caption, ("pair", names[0], run, "change", ""), cells))
+        parts.append(table(caption, ("pair", names[0], run, "change", "verdict"), cells))
     return [tag("p", said), tag("div", *parts, class_="grid")]
 
 
@@ -250,7 +253,7 @@ def _differences(runs: Sequence[Run], names: Sequence[str]) -> Markup:
     rows = []
     for part in ("settings", "scoring", "software"):
         for key in dict.fromkeys(key for run in runs for key in run.info[part]):
-            values = [str(run.info[part].get(key, "–")) for run in runs]
+            values = [words(run.info[part][key]) if key in run.info[part] else "–" for run in runs]
             if len(set(values)) > 1:
                 rows.append((f"{part}: {key}", *values))
-    return table("", ("name", *names), rows, "text") if rows else tag("p", "None.")
+    return table("Settings that differ", ("name", *names), rows, "text") if rows else tag("p", "None.")

@@ -153,7 +153,7 @@ def error_matrix(
     bar = figure.colorbar(
         image, ax=all_axes, location="top", extend="max", shrink=0.6, aspect=45, ticks=[0, 0.03, 0.05, 0.1, 0.15, 0.2]
     )
-    bar.set_label("geodesic error per diameter of the target (hatched: no match)")
+    bar.set_label("geodesic error per diameter of the target (hatched: no match, or its true point is not known)")
     return figure
 
 
@@ -165,9 +165,10 @@ def first_matches(panels: dict[str, np.ndarray], styles: Sequence[str], bins: in
     figure, (curve, histogram) = _new(WIDTH, 3.9, 2)
     for name, (title, table) in zip(styles, panels.items(), strict=True):
         look = {key: value for key, value in STYLES[name].items() if key == "color"}
-        ranks = np.arange(1, table.shape[1] + 1)
-        marker = {"marker": STYLES[name]["marker"], "markevery": 5, "markersize": 4}
-        curve.plot(ranks, over_pairs(table, np.mean), "-", label=f"{title}: mean", **look, **marker)
+        ranks, means = np.arange(1, table.shape[1] + 1), over_pairs(table, np.mean)
+        every = 1 if np.isnan(means).any() else 5  # a point between gaps has no line
+        marker = {"marker": STYLES[name]["marker"], "markevery": every, "markersize": 4}
+        curve.plot(ranks, means, "-", label=f"{title}: mean", **look, **marker)
         curve.plot(ranks, over_pairs(table, np.median), ":", label=f"{title}: median", **look, **marker, mfc="white")
         values = table[~np.isnan(table)]
         edges = np.linspace(0, 0.25, bins + 1)

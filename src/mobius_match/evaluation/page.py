@@ -41,6 +41,13 @@ def number(value: float | None, digits: int = 3) -> str:
     return f"{value:,d}" if isinstance(value, int) else f"{value:.{digits}f}"
 
 
+def words(value: Any) -> str:
+    """A setting's value."""
+    if isinstance(value, dict):
+        return ", ".join(f"{name} {words(item)}" for name, item in value.items())
+    return "not set" if value is None else str(value)
+
+
 def percent(value: float | None) -> str:
     """A share as a percentage."""
     return "–" if value is None or value != value else f"{100 * value:.1f} %"
@@ -131,14 +138,20 @@ figcaption { max-width: 52rem; margin-top: .4rem; overflow-wrap: anywhere; }
 dl.words dt { font-weight: 600; margin-top: .7rem; }
 dl.words dd { margin: 0; max-width: 46rem; }
 summary { cursor: pointer; font-weight: 600; }
+@media screen and (max-width: 640px) {
+  figure { overflow-x: auto; }
+  figure img[src^="data:image/svg"] { max-width: none; width: 38rem; }
+  th, td { padding: .25rem .4rem; }
+}
 @media print {
   @page { margin: 14mm; }
   body { font-size: 10pt; }
   main { max-width: none; padding: 0; }
-  h2 { break-after: avoid; }
+  h2, h2 + p { break-after: avoid; }
   figure, tr, .tiles div { break-inside: avoid; }
   figure img { max-height: 240mm; }
-  .wide { overflow: visible; }
+  .wide { overflow: visible; break-inside: avoid; }
+  .grid { grid-template-columns: 1fr 1fr; }
   table { font-size: 8pt; }
   th, td { padding: .15rem .4rem; }
 }

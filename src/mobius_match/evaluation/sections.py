@@ -11,9 +11,9 @@ import numpy as np
 from ..correspondence import Correspondence
 from ..errors import MobiusError
 from ..mesh import as_mesh
-from . import figures, summary, words
-from .page import Markup, figure, join, number, percent, picture, table, tag, tiles, without_empty
-from .words import MEASURES, TITLES
+from . import figures, summary
+from .page import Markup, figure, join, number, percent, picture, table, tag, tiles, without_empty, words
+from .words import MEASURES, TITLES, surface_name
 
 COLUMNS = 60
 """The paper plots the most confident 60 correspondences."""
@@ -25,7 +25,7 @@ Records = list[dict[str, Any]]
 
 def measure(name: str, value: float) -> str:
     """A value of ``summary.headline`` as a table shows it."""
-    return percent(value) if name.endswith(("close", "within")) else number(value)
+    return percent(value) if name.endswith(("close", "within")) else number(value, 1 if name == "known" else 3)
 
 
 def head(info: dict[str, Any], records: Records, variants: Sequence[str]) -> Markup:
@@ -38,9 +38,10 @@ def head(info: dict[str, Any], records: Records, variants: Sequence[str]) -> Mar
     shown = [("pairs done", f"{len(finished)} of {total}")]
     if finished:
         direct = summary.headline(records, "direct")
-        names = [name for name in MEASURES if not name.startswith("princeton")]
+        names = [name for name in MEASURES if not name.startswith(("princeton", "known"))]
         shown += [(MEASURES[n], measure(n, direct[n])) for n in names if direct[n] == direct[n]]
-        shown.append(("matches a pair", number(summary.surface_numbers(records)["matches"], 1)))
+        matches = summary.surface_numbers(records)["matches"]
+        shown += [("matches a pair", number(matches, 1))] if matches == matches else []
         about += "Errors against the direct truth" + ("; mirrored and better of both below." if variants[1:] else ".")
     return join([tag("p", about, class_="quiet"), tiles(shown)])
 
@@ -65,7 +66,9 @@ def errors(records: Records, variants: Sequence[str]) -> Markup:
     first = table("Means over pairs", ("", *(TITLES[v] for v in variants)), rows, "prose")
     surface = summary.surface_numbers(records)
     surface.pop("heat_difference")
-    rest = [(words.surface_name(name), number(value)) for name, value in surface.items() if value == value]
+    rest = [
+        (surface_name(name), number(value, 1 if value > 1 else 3)) for name, value in surface.items() if value == value
+    ]
     return tag(
         "div", first, table("The matches themselves, mean over pairs", ("", "value"), rest, "prose"), class_="grid"
     )
@@ -74,7 +77,7 @@ def errors(records: Records, variants: Sequence[str]) -> Markup:
 def paper(records: Records, variants: Sequence[str], files: dict[str, bytes]) -> list[Markup]:
     """The coloured error matrix, and below it the curves of the first 60 and the histogram."""
     finished = summary.done(records)
-    wanted = [v for v in ("direct", "better") if v in variants]
+    wanted = summary.unlike(records, variants)
     width = min(max(len(record["pairs"]) for record in finished), MOST_COLUMNS)
     panels = {TITLES[v]: summary.matrix(finished, v, width) for v in wanted}
     names, groups = [r["name"] for r in finished], [r["category"] for r in finished]
@@ -88,7 +91,8 @@ def paper(records: Records, variants: Sequence[str], files: dict[str, bytes]) ->
             matrix,
             f"Matrix of {len(names)} rows, one a pair, and {width} columns, one a correspondence, coloured by error.",
             "A row a pair, a column a correspondence in order of confidence; light is right, dark is wrong. Horizontal "
-            "lines part categories, dashed lines stand after the first 15 and the first 45.",
+            "lines part categories, dashed lines stand after the first 15 and the first 45."
+            + (" Direct is the better of both truths in every pair." if variants[1:] and not wanted[1:] else ""),
         ),
         figure(
             files,
@@ -123,7 +127,7 @@ def cumulative(records: Records, variants: Sequence[str], files: dict[str, bytes
 
 def confidence(records: Records, variants: Sequence[str], files: dict[str, bytes]) -> list[Markup]:
     """How far confidence tells right from wrong: a figure and its numbers."""
-    wanted = [v for v in ("direct", "better") if v in variants]
+    wanted = summary.unlike(records, variants)
     found = {variant: summary.calibration(records, variant) for variant in wanted}
     counts = found[wanted[0]][0]
     shares = {variant: share for variant, (_, share) in found.items()}
@@ -258,14 +262,8 @@ def settings(info: dict[str, Any]) -> list[Markup]:
         "Software": info["software"],
     }
     tables = [
-        table(title, ("name", "value"), [(name, _value(value)) for name, value in values.items()], "text")
+        table(title, ("name", "value"), [(name, words(value)) for name, value in values.items()], "text")
         for title, values in parts.items()
         if values
     ]
     return [tag("div", *tables, class_="grid")]
-
-
-def _value(value: Any) -> str:
-    if isinstance(value, dict):
-        return ", ".join(f"{name} {_value(item)}" for name, item in value.items())
-    return "the program's choice" if value is None else str(value)

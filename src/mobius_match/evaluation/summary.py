@@ -8,7 +8,7 @@ one with the smaller mean over the first 45 matches (for dense maps, over all po
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from pathlib import PurePath
 from typing import Any
 
@@ -88,6 +88,7 @@ def measures(record: dict[str, Any], variant: str) -> dict[str, float]:
     many, factor = mean(found[:MANY]), princeton(record)
     dense_mean = mean(dense) * factor
     return {
+        "known": float((~np.isnan(found)).sum()) if len(found) else float("nan"),
         "mean15": mean(few),
         "mean45": many,
         "first15_close": first if len(known) or 0 < len(found) < FEW else float("nan"),
@@ -98,6 +99,15 @@ def measures(record: dict[str, Any], variant: str) -> dict[str, float]:
         "dense_within": _share(dense * factor, NEAR),
         "dense_wrong": float(dense_mean > WRONG) if dense_mean == dense_mean else float("nan"),
     }
+
+
+def unlike(records: list[dict[str, Any]], variants: Sequence[str]) -> list[str]:
+    """``"direct"``, and ``"better"`` too if that is the other one in any pair."""
+    for record in done(records) if "better" in variants else ():
+        direct, better = errors(record, "direct"), errors(record, "better")
+        if direct is None or better is None or not np.array_equal(direct, better, equal_nan=True):
+            return ["direct", "better"]
+    return ["direct"]
 
 
 def headline(records: list[dict[str, Any]], variant: str) -> dict[str, float]:

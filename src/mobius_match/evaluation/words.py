@@ -8,6 +8,7 @@ from . import summary
 from .page import Markup, join, number, tag
 
 MEASURES = {
+    "known": "matches whose true point is known",
     "mean15": "mean of the first 15, per diameter",
     "mean45": "mean of the first 45, per diameter",
     "first15_close": "pairs whose first 15 all lie within 3 %",
