@@ -7,7 +7,6 @@ from collections.abc import Callable, Iterator
 import numpy as np
 import scipy.sparse as sp
 from scipy.sparse.csgraph import dijkstra
-from scipy.stats import rankdata
 
 from ..geometry.geodesics import geodesic_solver
 from ..mesh import Mesh
@@ -166,7 +165,12 @@ def ranking(confidence: np.ndarray, errors: np.ndarray) -> float | None:
     Errors that are not known (NaN) do not count; None where nothing can be ranked.
     """
     known = ~np.isnan(errors)
-    ranks = rankdata(confidence[known]), rankdata(-errors[known])
-    if known.sum() < 3 or any(np.ptp(rank) == 0 for rank in ranks):
+    if known.sum() < 3 or any(np.ptp(values[known]) == 0 for values in (confidence, errors)):
         return None
-    return float(np.corrcoef(*ranks)[0, 1])
+    return float(np.corrcoef(_ranks(confidence[known]), _ranks(-errors[known]))[0, 1])
+
+
+def _ranks(values: np.ndarray) -> np.ndarray:
+    """Places in order of size, equal values sharing the mean of theirs."""
+    _, place, count = np.unique(values, return_inverse=True, return_counts=True)
+    return (np.cumsum(count) - (count - 1) / 2)[place]

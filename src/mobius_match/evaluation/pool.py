@@ -8,7 +8,7 @@ import os
 import signal
 import threading
 from collections import deque
-from collections.abc import Callable, Hashable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
 from typing import Any
@@ -18,40 +18,52 @@ class Died:
     """Stands for the result of a job whose process ended without one."""
 
 
-def in_processes(
-    work: Callable[..., Any], jobs: Mapping[Hashable, tuple[Any, ...]], processes: int
-) -> Iterator[tuple[Hashable, Any]]:
-    """Call ``work`` with each job's arguments, and give its key and result, in the order in which they end.
+class Workers:
+    """Processes that jobs are given to; a context manager, which ends them if the work is interrupted."""
 
-    A job whose process dies (no memory left, a crash in a library) gives ``Died``. If the caller stops or is
-    interrupted, the processes are ended.
-    """
-    waiting = deque(jobs)
-    while waiting:
-        running: dict[Future[Any], Hashable] = {}
-        before = set(multiprocessing.active_children())
-        pool = ProcessPoolExecutor(processes, multiprocessing.get_context("spawn"), _begin)
-        try:
-            while waiting or running:
-                while waiting and len(running) < processes:
-                    with _uninterrupted():
-                        future = pool.submit(work, *jobs[waiting[0]])
-                    running[future] = waiting.popleft()
-                for future in wait(running, return_when=FIRST_COMPLETED).done:
-                    result = future.result()
-                    yield running.pop(future), result
-        except BrokenProcessPool:
-            suspects = list(running.values())
-            if len(suspects) == 1:
-                yield suspects[0], Died
-            else:  # whose process it was is not told: each again, alone
-                yield from in_processes(work, {key: jobs[key] for key in suspects}, 1)
-        except BaseException:
-            for process in set(multiprocessing.active_children()) - before:
+    def __init__(self, processes: int) -> None:
+        self.processes = processes
+
+    def __enter__(self) -> Workers:
+        self._others = set(multiprocessing.active_children())
+        self._pool = self._fresh(self.processes)
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
+        if kind is not None:
+            for process in set(multiprocessing.active_children()) - self._others:
                 process.kill()
-            raise
-        finally:
-            pool.shutdown(wait=True, cancel_futures=True)
+        self._pool.shutdown(wait=True, cancel_futures=True)
+
+    def results(self, work: Callable[..., Any], jobs: Mapping[str, tuple[Any, ...]]) -> Iterator[tuple[str, Any]]:
+        """Call ``work`` with each job's arguments; give each job's name and result, in the order in which they end.
+
+        A job whose process dies (no memory left, a crash in a library) has the result ``Died``.
+        """
+        waiting, suspects = deque(jobs), deque[str]()
+        while waiting or suspects:
+            # When a process dies it is not told whose it was: each job that was under way is tried again, alone.
+            queue, most = (suspects, 1) if suspects else (waiting, self.processes)
+            running: dict[Future[Any], str] = {}
+            try:
+                while queue or running:
+                    while queue and len(running) < most:
+                        with _uninterrupted():
+                            future = self._pool.submit(work, *jobs[queue[0]])
+                        running[future] = queue.popleft()
+                    for future in wait(running, return_when=FIRST_COMPLETED).done:
+                        result = future.result()
+                        yield running.pop(future), result
+            except BrokenProcessPool:
+                self._pool.shutdown()
+                self._pool = self._fresh(self.processes)
+                if len(running) == 1:
+                    yield running.popitem()[1], Died
+                suspects.extend(running.values())
+
+    @staticmethod
+    def _fresh(processes: int) -> ProcessPoolExecutor:
+        return ProcessPoolExecutor(processes, multiprocessing.get_context("spawn"), _begin)
 
 
 @contextlib.contextmanager

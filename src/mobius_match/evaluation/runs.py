@@ -29,7 +29,7 @@ from ..mesh import Mesh
 from ..settings import MatchSettings, make_settings
 from ..surface import Progress, Surface, matchable, prepare
 from .datasets import Case, Dataset
-from .pool import Died, in_processes
+from .pool import Died, Workers
 from .scoring import Scorer, cached_diameter, mesh_area
 from .vertexlists import read_vertices
 
@@ -104,24 +104,22 @@ def run(
     _open(folder, info, resume)
     tell = progress or (lambda stage, done, total: None)
     waiting = {case.name: case for case in dataset.cases if not _is_done(_record_path(folder, case.name))}
-    processes = min(jobs or os.cpu_count() or 1, max(len(waiting), 1))
-    unusable: dict[str, str] = {}
-    if maps is None:
-        unusable = _prepare_all(waiting, folder, chosen, processes, tell)
-    tasks: dict[Any, tuple[Any, ...]] = {}
-    for case in waiting.values():
-        errors = [unusable[str(path)] for path in (case.source, case.target) if str(path) in unusable]
-        if errors:
-            _write_record(folder, _failed(case, errors[0]))
-        elif maps is None:
-            tasks[case.name] = (_match_pair, case, scoring, folder, chosen)
-        else:
-            tasks[case.name] = (_score_map, case, scoring, Path(maps) / f"{case.name}.txt", index_base)
-    total = len(dataset.cases)
-    tell("pairs", total - len(tasks), total)
-    for done, (name, record) in enumerate(in_processes(_record, tasks, processes), start=total - len(tasks) + 1):
-        _write_record(folder, _failed(waiting[str(name)], DIED) if record is Died else record)
-        tell("pairs", done, total)
+    with Workers(min(jobs or os.cpu_count() or 1, max(len(waiting), 1))) as workers:
+        unusable = {} if maps is not None else _prepare_all(waiting, folder, chosen, workers, tell)
+        tasks: dict[str, tuple[Any, ...]] = {}
+        for case in waiting.values():
+            errors = [unusable[str(path)] for path in (case.source, case.target) if str(path) in unusable]
+            if errors:
+                _write_record(folder, _failed(case, errors[0]))
+            elif maps is None:
+                tasks[case.name] = (_match_pair, case, scoring, folder, chosen)
+            else:
+                tasks[case.name] = (_score_map, case, scoring, Path(maps) / f"{case.name}.txt", index_base)
+        total = len(dataset.cases)
+        tell("pairs", total - len(tasks), total)
+        for done, (name, record) in enumerate(workers.results(_record, tasks), start=total - len(tasks) + 1):
+            _write_record(folder, _failed(waiting[name], DIED) if record is Died else record)
+            tell("pairs", done, total)
     shutil.rmtree(folder / "surfaces", ignore_errors=True)
     return load_run(folder)
 
@@ -193,14 +191,14 @@ def _open(folder: Path, info: dict[str, Any], resume: bool) -> None:
                 f"{folder} holds a run already; continue it with --resume, or name another folder by -o"
             )
         held = load_run(folder).info
-        names = {"sha256": "meshes, truth or pairs", "geodesics": "scoring geodesics"}
+        names = {"dataset": "meshes, truth or pairs", "cases": "pairs", "maps": "dense maps"}
         for part in ("dataset", "settings", "scoring", "maps", "software", "cases"):
             old, new = (x[part] if isinstance(x[part], dict) else {part: x[part]} for x in (held, info))
             for key in old | new:
                 if old.get(key) != new.get(key) and key not in ("path", "folder"):
+                    what = names.get(part, f"{part}, {key}")
                     raise SettingsError(
-                        f"{folder} holds a run with other {names.get(key, key)} ({old.get(key)!r:.80}, now "
-                        f"{new.get(key)!r:.80}), which cannot be resumed; name another folder by -o"
+                        f"{folder} holds a run with other {what} ({old.get(key)!r:.80}, now {new.get(key)!r:.80}), which cannot be resumed; name another folder by -o"
                     )
     try:
         for part in ("pairs", "surfaces"):
@@ -214,21 +212,21 @@ def _open(folder: Path, info: dict[str, Any], resume: bool) -> None:
 
 
 def _prepare_all(
-    cases: dict[str, Case], folder: Path, settings: MatchSettings, processes: int, tell: Callable[[str, int, int], None]
+    cases: dict[str, Case], folder: Path, settings: MatchSettings, workers: Workers, tell: Progress
 ) -> dict[str, str]:
     """Prepare each mesh that a pair needs, once; give what is wrong with those that cannot be."""
     needed = {str(path) for case in cases.values() for path in (case.source, case.target)}
-    tasks: dict[Any, tuple[Any, ...]] = {
+    tasks = {
         path: (path, _surface_path(folder, path), settings)
         for path in sorted(needed)
         if not _surface_path(folder, path).exists()
     }
     unusable = {}
     tell("meshes", len(needed) - len(tasks), len(needed))
-    results = in_processes(_prepare_one, tasks, processes)
+    results = workers.results(_prepare_one, tasks)
     for done, (path, error) in enumerate(results, start=len(needed) - len(tasks) + 1):
         if error is not None:
-            unusable[str(path)] = DIED if error is Died else error
+            unusable[path] = DIED if error is Died else error
         tell("meshes", done, len(needed))
     return unusable
 
