@@ -18,12 +18,8 @@ if TYPE_CHECKING:
 
     from ..evaluation.runs import Run
 
-COLUMNS = {
-    "mean15": "mean of\nfirst 15",
-    "mean45": "mean of\nfirst 45",
-    "wrong": "pairs with\nfirst 45\nabove 10",
-    "dense_mean": "dense map,\nmean per\nsqrt(area)",
-}
+COLUMNS = {"mean15": "mean of\nfirst 15", "mean45": "mean of\nfirst 45", "wrong": "pairs with\nfirst 45\nabove 10"}
+DENSE_COLUMNS = {"dense_mean": "mean of\nall points", "dense_wrong": "pairs\nabove 10"}
 
 
 def bench(
@@ -163,21 +159,26 @@ def _figures(run: Run) -> dict[str, Any]:
 def _table(run: Run) -> Table:
     from rich.table import Table
 
+    from ..evaluation import summary
+
     figures = _figures(run)
-    table = Table(title="Errors, % of the target's diameter", title_justify="left")
-    dense = any(entry["direct"].get("dense_mean") is not None for entry in figures.values())
-    shown = [name for name in COLUMNS if (name == "dense_mean") == dense]
-    for heading in ("", "pairs", "truth", *(COLUMNS[name] for name in shown)):
-        table.add_column(heading, justify="left" if heading in ("", "truth") else "right")
+    dense = summary.has_dense(run.records)
+    columns = DENSE_COLUMNS if dense else COLUMNS
+    unit = "the square root of the target's area" if dense else "the target's diameter"
+    table = Table(title=f"Errors, % of {unit}", title_justify="left")
+    variants = [name for name in summary.variants(run.records) if name != "mirrored"]
+    table.add_column("")
+    table.add_column("pairs", justify="right")
+    for variant in variants:
+        note = "\n(better truth)" if variant == "better" else ""
+        for heading in columns.values():
+            table.add_column(heading + note, justify="right")
     for name, entry in figures.items():
-        for variant in (key for key in entry if key not in ("pairs", "failed")):
-            cells = [_cell(column, entry[variant].get(column)) for column in shown]
-            first = (name, str(entry["pairs"])) if variant == "direct" else ("", "")
-            table.add_row(*first, variant, *cells)
+        cells = [_cell(entry[variant].get(column)) for variant in variants for column in columns]
+        table.add_row(name, str(entry["pairs"]), *cells)
     return table
 
 
-def _cell(column: str, value: float | None) -> str:
-    if value is None:
-        return "-"
-    return str(value) if column == "wrong" else f"{value:.3f}" if column == "dense_mean" else f"{100 * value:.2f}"
+def _cell(value: float | None) -> str:
+    """A mean as percentage, a count as it is."""
+    return "-" if value is None else f"{100 * value:.2f}" if isinstance(value, float) else str(value)

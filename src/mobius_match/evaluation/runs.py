@@ -11,27 +11,19 @@ import json
 import os
 import platform
 import shutil
-import sys
-import time
-from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cache, lru_cache
+from functools import cache
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from ..correspondence import write_atomically
-from ..errors import FormatError, MobiusError, SettingsError
-from ..matching import match
-from ..mesh import Mesh
+from ..errors import FormatError, SettingsError
 from ..settings import MatchSettings, make_settings
-from ..surface import Progress, Surface, matchable, prepare
+from ..surface import Progress
 from .datasets import Case, Dataset
 from .pool import Died, Workers
-from .scoring import Scorer, cached_diameter, mesh_area
-from .vertexlists import read_vertices
+from .work import failed, match_pair, prepare_one, record_of, score_dense, surface_path
 
 FORMAT = "mobius-match/bench-run"
 VERSION = 1
@@ -110,15 +102,15 @@ def run(
         for case in waiting.values():
             errors = [unusable[str(path)] for path in (case.source, case.target) if str(path) in unusable]
             if errors:
-                _write_record(folder, _failed(case, errors[0]))
+                _write_record(folder, failed(case, errors[0]))
             elif maps is None:
-                tasks[case.name] = (_match_pair, case, scoring, folder, chosen)
+                tasks[case.name] = (match_pair, case, scoring, folder, chosen)
             else:
-                tasks[case.name] = (_score_map, case, scoring, Path(maps) / f"{case.name}.txt", index_base)
+                tasks[case.name] = (score_dense, case, scoring, Path(maps) / f"{case.name}.txt", index_base)
         total = len(dataset.cases)
         tell("pairs", total - len(tasks), total)
-        for done, (name, record) in enumerate(workers.results(_record, tasks), start=total - len(tasks) + 1):
-            _write_record(folder, _failed(waiting[name], DIED) if record is Died else record)
+        for done, (name, record) in enumerate(workers.results(record_of, tasks), start=total - len(tasks) + 1):
+            _write_record(folder, failed(waiting[name], DIED) if record is Died else record)
             tell("pairs", done, total)
     shutil.rmtree(folder / "surfaces", ignore_errors=True)
     return load_run(folder)
@@ -198,7 +190,8 @@ def _open(folder: Path, info: dict[str, Any], resume: bool) -> None:
                 if old.get(key) != new.get(key) and key not in ("path", "folder"):
                     what = names.get(part, f"{part}, {key}")
                     raise SettingsError(
-                        f"{folder} holds a run with other {what} ({old.get(key)!r:.80}, now {new.get(key)!r:.80}), which cannot be resumed; name another folder by -o"
+                        f"{folder} holds a run with other {what} ({old.get(key)!r:.80}, now "
+                        f"{new.get(key)!r:.80}), which cannot be resumed; name another folder by -o"
                     )
     try:
         for part in ("pairs", "surfaces"):
@@ -217,132 +210,18 @@ def _prepare_all(
     """Prepare each mesh that a pair needs, once; give what is wrong with those that cannot be."""
     needed = {str(path) for case in cases.values() for path in (case.source, case.target)}
     tasks = {
-        path: (path, _surface_path(folder, path), settings)
+        path: (path, surface_path(folder, path), settings)
         for path in sorted(needed)
-        if not _surface_path(folder, path).exists()
+        if not surface_path(folder, path).exists()
     }
     unusable = {}
     tell("meshes", len(needed) - len(tasks), len(needed))
-    results = workers.results(_prepare_one, tasks)
+    results = workers.results(prepare_one, tasks)
     for done, (path, error) in enumerate(results, start=len(needed) - len(tasks) + 1):
         if error is not None:
             unusable[path] = DIED if error is Died else error
         tell("meshes", done, len(needed))
     return unusable
-
-
-def _prepare_one(path: str, out: Path, settings: MatchSettings) -> str | None:
-    """In a worker: prepare a mesh and keep it; the message if that fails."""
-    try:
-        prepare(path, settings.preparation()).save(out)
-    except Exception as error:  # noqa: BLE001  # one mesh must not end the run
-        return _message(error)
-    return None
-
-
-def _surface_path(folder: Path, mesh: str | Path) -> Path:
-    return folder / "surfaces" / f"{hashlib.sha256(str(mesh).encode()).hexdigest()[:32]}.npz"
-
-
-def _record(work: Callable[..., dict[str, Any]], case: Case, *arguments: Any) -> dict[str, Any]:
-    """In a worker: the record of a pair, whatever happens."""
-    try:
-        return {**_head(case), "status": "done", "error": None, **work(case, *arguments), "memory_mb": _peak_memory()}
-    except Exception as error:  # noqa: BLE001  # one pair must not end the run
-        return _failed(case, _message(error))
-
-
-def _head(case: Case) -> dict[str, Any]:
-    return {"name": case.name, "category": case.category, "source": str(case.source), "target": str(case.target)}
-
-
-def _failed(case: Case, message: str) -> dict[str, Any]:
-    return {**_head(case), "status": "failed", "error": message}
-
-
-def _message(error: Exception) -> str:
-    return str(error) if isinstance(error, MobiusError) else f"{type(error).__name__}: {error}"
-
-
-def _match_pair(case: Case, scoring: str, folder: Path, settings: MatchSettings) -> dict[str, Any]:
-    """In a worker: match two prepared meshes and score the matches."""
-    source, target = (_load_surface(_surface_path(folder, path)) for path in (case.source, case.target))
-    result = match(source, target, **settings.to_dict())
-    timings = {f"source {name}": seconds for name, seconds in source.timings.items()}
-    timings |= {f"target {name}": seconds for name, seconds in target.timings.items()}
-    timings |= {name: result.timings[name] for name in ("voting", "matrix processing")}
-    timings["total"] = sum(timings.values())
-    start = time.perf_counter()
-    scored = _scorer(case, source.mesh, target.mesh, scoring)
-    found = scored.score(result.pairs, result.confidence)
-    timings["scoring"] = time.perf_counter() - start
-    return {
-        "pairs": result.pairs.tolist(),
-        "confidence": _numbers(result.confidence),
-        "kind": result.kind.tolist(),
-        "direct": _numbers(found["direct"]),
-        "mirrored": _numbers(found["mirrored"]),
-        "heat_difference": found["heat_difference"],
-        "diameter": scored.diameter,
-        "area": mesh_area(target.mesh),
-        "coverage": found["coverage"],
-        "ranking": found["ranking"],
-        "dense": None,
-        "warnings": list(result.warnings),
-        "timings": timings,
-    }
-
-
-def _score_map(case: Case, scoring: str, path: Path, index_base: int) -> dict[str, Any]:
-    """In a worker: score a dense map that another program made."""
-    start = time.perf_counter()
-    dense = read_vertices(path, index_base, gaps=True)
-    source, target = matchable(case.source), matchable(case.target)
-    scored = _scorer(case, source, target, scoring)
-    found = scored.score_map(dense)
-    return {
-        "pairs": [],
-        "confidence": [],
-        "kind": [],
-        "direct": [],
-        "mirrored": None if found["mirrored"] is None else [],
-        "heat_difference": found["heat_difference"],
-        "diameter": scored.diameter,
-        "area": mesh_area(target),
-        "coverage": {},
-        "ranking": None,
-        "dense": {
-            "direct": _numbers(found["direct"]),
-            "mirrored": _numbers(found["mirrored"]),
-            "unmapped": found["unmapped"],
-        },
-        "warnings": [],
-        "timings": {"scoring": time.perf_counter() - start},
-    }
-
-
-@lru_cache(maxsize=8)
-def _load_surface(path: Path) -> Surface:
-    return Surface.load(path)
-
-
-def _scorer(case: Case, source: Mesh, target: Mesh, scoring: str) -> Scorer:
-    return Scorer(case, source, target, scoring, cached_diameter(target, scoring))
-
-
-def _numbers(values: np.ndarray | None) -> list[float | None] | None:
-    """For JSON, to nine digits; null where there is none."""
-    return None if values is None else [None if v != v else float(f"{v:.9g}") for v in values.tolist()]
-
-
-def _peak_memory() -> float | None:
-    """The most memory that this process has used, in MB, where the system tells."""
-    try:
-        import resource
-    except ImportError:
-        return None
-    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-    return peak / (1e6 if sys.platform == "darwin" else 1e3)
 
 
 def _record_path(folder: Path, name: str) -> Path:
