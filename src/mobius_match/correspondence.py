@@ -22,6 +22,27 @@ VERSION = 1
 
 
 @dataclass(frozen=True, eq=False)
+class Alternative:
+    """The matches under another explanation of the same two surfaces.
+
+    Parameters
+    ----------
+    pairs, confidence, kind
+        As in :class:`Correspondence`.
+    margin
+        By how much it lost against the chosen explanation, without units; small is close.
+    share
+        The part of the best triplets that spoke for it.
+    """
+
+    pairs: np.ndarray
+    confidence: np.ndarray
+    kind: np.ndarray
+    margin: float
+    share: float
+
+
+@dataclass(frozen=True, eq=False)
 class Correspondence:
     """Corresponding vertices of two meshes, the most confident first.
 
@@ -43,6 +64,8 @@ class Correspondence:
         The prepared surfaces; None for a result that was loaded from a file.
     votes
         The fuzzy correspondence matrix; None for a result that was loaded from a file.
+    alternatives
+        The matches under other explanations, the closest loser first; not kept in the file.
     """
 
     pairs: np.ndarray
@@ -57,6 +80,7 @@ class Correspondence:
     source: Surface | None = None
     target: Surface | None = None
     votes: Votes | None = None
+    alternatives: tuple[Alternative, ...] = ()
 
     def __len__(self) -> int:
         return len(self.pairs)

@@ -8,9 +8,11 @@ from importlib.metadata import version
 from typing import Any
 
 import numpy as np
+from threadpoolctl import threadpool_limits
 
-from .correspondence import Correspondence
+from .correspondence import Alternative, Correspondence
 from .errors import NothingFoundError
+from .hypotheses import Explanation, agreement, explanations, finer_targets
 from .matrix_processing import linear_assignment, max_row_column, normalized, recover
 from .settings import MatchSettings, make_settings
 from .surface import Progress, Surface, matchable, prepare_mesh
@@ -18,6 +20,12 @@ from .voting import Votes, cast_votes
 
 DEFAULT_THRESHOLD = 0.1
 """Confidence S below which a pair needs the others to bear it out."""
+
+AGREEMENT_RADIUS = 0.1
+"""Distance per sqrt(area) from where the chosen explanation sends a sample, at which a vote counts 1 / e."""
+
+CLOSE = 0.15
+"""Difference of two explanations' badness below which the choice between them is called close."""
 
 
 def match(
@@ -81,28 +89,61 @@ def match(
     votes = cast_votes(first, second, chosen, progress)
     timings["voting"] = time.perf_counter() - begin
     begin = time.perf_counter()
-    pairs, confidence, recovered = process(votes, first, second, chosen)
+    # One BLAS thread: sums must not depend on the number of processors.
+    with threadpool_limits(limits=1, user_api="blas"):
+        found = explanations(first, second, votes)
+        timings["explanations"] = time.perf_counter() - begin
+        begin = time.perf_counter()
+        matches = [_pairs(first, second, votes, explanation, chosen) for explanation in found or (None,)]
     timings["matrix processing"] = time.perf_counter() - begin
+    pairs, confidence, kind = matches[0]
     timings["total"] = time.perf_counter() - start
     return Correspondence(
-        pairs=np.stack([_users_numbers(first, pairs[:, 0]), _users_numbers(second, pairs[:, 1])], axis=1),
+        pairs=pairs,
         confidence=confidence,
-        kind=np.where(recovered, "recovered", "voted"),
+        kind=kind,
         source_info=_describe(first),
         target_info=_describe(second),
         settings={**chosen.to_dict(), "preset": preset, "votes": votes.n_triplets},
         timings=timings,
         software={name: version(name) for name in ("mobius-match", "numpy", "scipy", "numba", "libigl", "potpourri3d")}
         | {"python": platform.python_version()},
-        warnings=(*_notes(first), *_notes(second), *votes.warnings),
+        warnings=(*_notes(first), *_notes(second), *votes.warnings, *_doubts(found)),
+        alternatives=tuple(
+            Alternative(*lists, explanation.badness - found[0].badness, explanation.share)
+            for explanation, lists in zip(found[1:], matches[1:], strict=True)
+        ),
         source=first,
         target=second,
         votes=votes,
     )
 
 
+def _pairs(
+    source: Surface, target: Surface, votes: Votes, explanation: Explanation | None, settings: MatchSettings
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Section 8 under one explanation: pairs in the user's numbers (Q, 2), confidence (Q,) and kind (Q,).
+
+    Votes count by how well they agree with the explanation, and each match moves from the target's sample to the
+    vertex that the explanation sends its source to. Without explanation it is section 8 alone.
+    """
+    matrix = votes.matrix
+    if explanation is not None:
+        matrix = matrix * agreement(source, target, explanation, AGREEMENT_RADIUS)
+    pairs, confidence, recovered = process(matrix, source, target, settings)
+    here, there = source.samples[pairs[:, 0]], target.samples[pairs[:, 1]]
+    if explanation is not None:
+        there = finer_targets(source, target, explanation, here)
+        # Two neighbours may end at one vertex; the more confident one keeps it.
+        _, first = np.unique(there, return_index=True)
+        first.sort()
+        here, there, confidence, recovered = here[first], there[first], confidence[first], recovered[first]
+    users = np.stack([source.mesh.vertex_ids[here], target.mesh.vertex_ids[there]], axis=1)
+    return users, confidence, np.where(recovered, "recovered", "voted")
+
+
 def process(
-    votes: Votes, source: Surface, target: Surface, settings: MatchSettings
+    matrix: np.ndarray, source: Surface, target: Surface, settings: MatchSettings
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Section 8: the matrix C to pairs of samples (Q, 2), their confidence (Q,) and which were recovered (Q,) bool.
 
@@ -112,11 +153,11 @@ def process(
         If C has no entry above zero.
     """
     choose = max_row_column if settings.assignment == "greedy" else linear_assignment
-    pairs, confidence = choose(normalized(votes.matrix))
+    pairs, confidence = choose(normalized(matrix))
     if not len(pairs):
         raise NothingFoundError(
-            f"{source.mesh.name} and {target.mesh.name}: none of {votes.n_triplets} triplets of points gained a "
-            "vote; lower --min-fraction or raise --votes, or the shapes have too little in common"
+            f"{source.mesh.name} and {target.mesh.name}: none of {settings.number_of_votes()} triplets of points "
+            "gained a vote; lower --min-fraction or raise --votes, or the shapes have too little in common"
         )
     threshold = DEFAULT_THRESHOLD if settings.threshold is None else settings.threshold
     trusted = confidence >= threshold
@@ -128,12 +169,18 @@ def process(
     return pairs[keep], confidence[keep], recovered[keep]
 
 
+def _doubts(found: list[Explanation]) -> list[str]:
+    if len(found) < 2 or found[1].badness - found[0].badness > CLOSE:
+        return []
+    margin = found[1].badness - found[0].badness
+    return [
+        f"another explanation of the two shapes is nearly as good (it lost by {margin:.2f}; below {CLOSE} is close): "
+        "look at the matches, and at the alternatives"
+    ]
+
+
 def _notes(surface: Surface) -> list[str]:
     return [f"{surface.mesh.name}: {note}" for note in (*surface.mesh.notes, *surface.warnings)]
-
-
-def _users_numbers(surface: Surface, samples: np.ndarray) -> np.ndarray:
-    return surface.mesh.vertex_ids[surface.samples[samples]]
 
 
 def _describe(surface: Surface) -> dict[str, Any]:

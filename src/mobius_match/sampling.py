@@ -9,15 +9,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import scipy.sparse as sp
-import scipy.sparse.linalg as spla
 
+from .geometry.curvature import gauss_curvature
 from .geometry.geodesics import DistanceFunction
-from .geometry.laplacian import IntrinsicMesh, corner_angles, cotangent_laplacian, vertex_areas
+from .geometry.laplacian import IntrinsicMesh, vertex_areas
 
-SMOOTHING_STEPS = 5
 SMOOTHING_RADIUS = 0.02
-"""Width of the smoothing in units of sqrt(area); the heat time of all steps is its square."""
+"""Width that curvature is smoothed to, in units of sqrt(area)."""
 
 MAXIMUM_RADIUS = 0.05
 """Radius in units of sqrt(area) of the geodesic disc that a maximum of curvature has to be the largest of."""
@@ -47,39 +45,6 @@ class Samples:
         return float(self.distances.min(axis=0).max())
 
 
-def gauss_curvature(mesh: IntrinsicMesh) -> np.ndarray:
-    """Gauss curvature (n,) from the angle deficit (Desbrun et al. 2002), smoothed, times the surface's area.
-
-    At a boundary the deficit is that of the geodesic curvature's angle, pi less the sum of angles, which is not
-    Gauss curvature: it counts as zero.
-    """
-    angle_sum = np.bincount(mesh.faces.ravel(), corner_angles(mesh.lengths).ravel(), mesh.n_vertices)
-    deficit = np.where(_on_boundary(mesh), 0.0, 2 * np.pi - angle_sum)
-    areas = vertex_areas(mesh)
-    total = areas.sum()
-    masses = np.maximum(areas / total, 1e-12 / len(areas))
-    step = SMOOTHING_RADIUS**2 / SMOOTHING_STEPS
-    # The Laplacian has no units in two dimensions; masses of a unit surface make the step free of scale.
-    heat = spla.splu(
-        (sp.diags(masses) + step * cotangent_laplacian(mesh)).tocsc(),
-        permc_spec="MMD_AT_PLUS_A",
-        diag_pivot_thresh=0.0,
-        options={"SymmetricMode": True},
-    )
-    curvature = heat.solve(deficit)
-    for _ in range(SMOOTHING_STEPS - 1):
-        curvature = heat.solve(masses * curvature)
-    return curvature
-
-
-def _on_boundary(mesh: IntrinsicMesh) -> np.ndarray:
-    once = np.bincount(mesh.face_edges.ravel(), minlength=mesh.n_edges)[mesh.face_edges] == 1
-    boundary = np.zeros(mesh.n_vertices, bool)
-    boundary[mesh.faces[:, [1, 2, 0]][once]] = True
-    boundary[mesh.faces[:, [2, 0, 1]][once]] = True
-    return boundary
-
-
 def sample_points(mesh: IntrinsicMesh, distances_from: DistanceFunction, count: int) -> Samples:
     """N sample points: all maxima of smoothed curvature, then the farthest point from those there are.
 
@@ -94,7 +59,7 @@ def sample_points(mesh: IntrinsicMesh, distances_from: DistanceFunction, count: 
     """
     count = min(count, mesh.n_vertices)
     radius = MAXIMUM_RADIUS * np.sqrt(vertex_areas(mesh).sum())
-    curvature = gauss_curvature(mesh)
+    curvature = gauss_curvature(mesh, SMOOTHING_RADIUS)
     chosen: list[int] = []
     rows: list[np.ndarray] = []
     for vertex in _ring_maxima(mesh, curvature):

@@ -18,6 +18,7 @@ from threadpoolctl import threadpool_limits
 from .correspondence import write_atomically
 from .errors import FormatError, MeshError
 from .flattening import choose_cut_face, flatten, vertex_positions
+from .geometry.curvature import gauss_curvature, mean_curvature
 from .geometry.geodesics import geodesic_solver
 from .geometry.laplacian import intrinsic_mesh, vertex_areas
 from .geometry.spectral import eigenbasis, wave_kernel_signature
@@ -29,6 +30,10 @@ Progress = Callable[[str, int, int], None]
 """Called with the name of a stage, how much of it is done, and how much there is."""
 
 EIGENFUNCTIONS = 50
+PROXY_SIZE = 1200
+GAUSS_RADIUS, MEAN_RADIUS = 0.035, 0.1
+"""Widths that the curvatures which tell explanations apart are smoothed to, per sqrt(area)."""
+
 FORMAT = "mobius-match/surface"
 VERSION = 1
 LARGEST_CLOSURE = 1e-6
@@ -56,7 +61,15 @@ class Surface:
     positions
         (N,) complex128 positions in the plane (section 5).
     signatures
-        (N, 100) float64 wave kernel signatures.
+        (N, 100) float64 wave kernel signatures of the samples.
+    eigenvalues, eigenfunctions
+        (k,) float64 and (n, k) float32: of the Laplacian, for a surface of area 1.
+    proxy
+        (P,) int64 vertices that stand for the whole surface where detail is not needed, drawn evenly by area.
+    proxy_distances
+        (N, P) float32 geodesic distances from the samples to the proxy's vertices, in the units of the mesh.
+    proxy_curvatures
+        (2, P) float32 Gauss and mean curvature there, smoothed and free of scale.
     cut_vertex
         Vertex of least average geodesic distance, at which the flattening is cut.
     closure
@@ -77,6 +90,11 @@ class Surface:
     cells: np.ndarray
     positions: np.ndarray
     signatures: np.ndarray
+    eigenvalues: np.ndarray
+    eigenfunctions: np.ndarray
+    proxy: np.ndarray
+    proxy_distances: np.ndarray
+    proxy_curvatures: np.ndarray
     cut_vertex: int
     closure: float
     area: float
@@ -226,6 +244,13 @@ def _prepare(mesh: Mesh, settings: PrepareSettings, progress: Progress) -> Surfa
     progress(f"describing {mesh.name}", 2, 3)
     eigenvalues, eigenfunctions = eigenbasis(triangulation, EIGENFUNCTIONS)
     signatures = wave_kernel_signature(eigenvalues, eigenfunctions[samples.vertices])
+    curvatures = np.stack(
+        [
+            gauss_curvature(triangulation, GAUSS_RADIUS),
+            mean_curvature(triangulation, vertices, mesh.faces, MEAN_RADIUS),
+        ]
+    )
+    proxy = _spread(areas, PROXY_SIZE)
     clock.lap("descriptors")
     progress(f"prepared {mesh.name}", 3, 3)
     return Surface(
@@ -237,6 +262,11 @@ def _prepare(mesh: Mesh, settings: PrepareSettings, progress: Progress) -> Surfa
         cells=cells * scale**2,
         positions=positions,
         signatures=signatures,
+        eigenvalues=eigenvalues,
+        eigenfunctions=eigenfunctions.astype(np.float32),
+        proxy=proxy,
+        proxy_distances=(samples.distances[:, proxy] * scale).astype(np.float32),
+        proxy_curvatures=curvatures[:, proxy].astype(np.float32),
         cut_vertex=int(np.argmin(average)),
         closure=flattening.closure,
         area=area * scale**2,
@@ -244,6 +274,14 @@ def _prepare(mesh: Mesh, settings: PrepareSettings, progress: Progress) -> Surfa
         timings=clock.laps,
         warnings=tuple(warnings),
     )
+
+
+def _spread(areas: np.ndarray, count: int) -> np.ndarray:
+    """Numbers of at most ``count`` vertices (p,) int64, ascending, each drawn as likely as its area is large."""
+    if len(areas) <= count:
+        return np.arange(len(areas))
+    drawn = np.random.default_rng(0).choice(len(areas), count, replace=False, p=areas / areas.sum())
+    return np.sort(drawn).astype(np.int64)
 
 
 class _Clock:

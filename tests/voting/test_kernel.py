@@ -110,7 +110,9 @@ def test_weighted_vote_equals_its_twin(problem, spherical):
     similarity = rng.random((30, 26))
     votes = np.zeros((30, 26))
     weigh = (geodesics1, geodesics2, similarity, 0.5, 3.0)
-    n_voting = vote_weighted(*problem, *weigh, 0, spherical, votes)
+    totals = np.full(400, np.nan)
+    n_voting = vote_weighted(*problem, *weigh, 0, spherical, votes, totals)
+    assert np.isfinite(totals).all()
     expected, n_expected = vote_twin(*problem, 0, 0.01, spherical, weigh)
     assert n_voting == n_expected
     np.testing.assert_array_equal(votes > 0, expected > 0)

@@ -60,3 +60,26 @@ def wave_kernel_signature(eigenvalues: np.ndarray, eigenfunctions: np.ndarray, e
     weights = np.exp(-((levels[:, None] - log_energy[None, :]) ** 2) / (2 * spread**2))
     weights /= weights.sum(axis=1, keepdims=True)
     return eigenfunctions[:, 1:] ** 2 @ weights.T
+
+
+def functional_map(source: np.ndarray, target: np.ndarray) -> np.ndarray:
+    """The functional map (k1, k2) of a pointwise map (Ovsjanikov et al. 2012).
+
+    Parameters
+    ----------
+    source, target
+        (p, k1) and (p, k2): the eigenfunctions at points of the source and at their images. The map takes a row of
+        the first to the row of the second, in the sense of least squares.
+    """
+    return np.linalg.lstsq(source, target, rcond=None)[0]
+
+
+def nearest_rows(queries: np.ndarray, rows: np.ndarray) -> np.ndarray:
+    """Number of the nearest of ``rows`` (n, k) to each of ``queries`` (p, k), (p,) int64; the lowest of equal ones."""
+    squared = np.einsum("ij,ij->i", rows, rows)
+    found = np.empty(len(queries), np.int64)
+    block = max(1, 4_000_000 // max(len(rows), 1))  # keeps the matrix of distances small
+    for start in range(0, len(queries), block):
+        part = queries[start : start + block]
+        found[start : start + block] = np.argmin(squared - 2 * part @ rows.T, axis=1)
+    return found

@@ -194,6 +194,7 @@ def vote_weighted(
     least_pairs: int,
     spherical: bool,
     votes: np.ndarray,
+    totals: np.ndarray,
 ) -> int:
     """Algorithm 2 with weighed pairs in place of the energy of section 7.
 
@@ -211,6 +212,8 @@ def vote_weighted(
         Difference of distances per sqrt(area) at which a pair's weight is 1 / e.
     power
         The power that the sum of the weights, as a fraction of the samples, is raised to.
+    totals
+        (I,) float64, written to: the sum of the weights of each triplet, 0 for one that did not vote.
 
     The other parameters, and what is returned, are those of :func:`vote`.
     """
@@ -220,6 +223,7 @@ def vote_weighted(
     row, squared, column_least = np.empty(n2, np.float32), np.empty(n1, np.float32), np.empty(n2, np.float32)
     partner, weight = np.empty(n1, np.int32), np.zeros(n1)
     n_voting = 0
+    totals[:] = 0.0
     for i in range(len(triplets1)):
         if not to_canonical(points1, triplets1[i], plane1) or not to_canonical(points2, triplets2[i], plane2):
             continue
@@ -240,9 +244,28 @@ def vote_weighted(
                         difference += abs(here - there) / 3
                     weight[k] = similarity[k, partner[k]] * math.exp(-((difference / scale) ** 2))
                     total += weight[k]
+            totals[i] = total
             worth = (total / n1) ** power
             for k in range(n1):
                 if partner[k] >= 0:
                     votes[k, partner[k]] += weight[k] * worth
             n_voting += 1
     return n_voting
+
+
+@jit
+def explained_pairs(
+    points1: np.ndarray, points2: np.ndarray, triplets1: np.ndarray, triplets2: np.ndarray
+) -> np.ndarray:
+    """Which sample of the target each triplet pairs each source sample with, (I, N1) int32, -1 for none.
+
+    Parameters are those of :func:`vote`; the nearest in the plane are meant.
+    """
+    n1, n2 = len(points1), len(points2)
+    plane1, plane2 = np.empty((2, n1), np.float32), np.empty((2, n2), np.float32)
+    row, squared, column_least = np.empty(n2, np.float32), np.empty(n1, np.float32), np.empty(n2, np.float32)
+    pairs = np.full((len(triplets1), n1), np.int32(-1))
+    for i in range(len(triplets1)):
+        if to_canonical(points1, triplets1[i], plane1) and to_canonical(points2, triplets2[i], plane2):
+            mutually_nearest(plane1, plane2, row, squared, column_least, pairs[i])
+    return pairs

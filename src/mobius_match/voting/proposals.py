@@ -8,10 +8,10 @@ import numpy as np
 LEAST_SPREAD = 0.3
 """Least distance between the three source samples of a guided triplet, per sqrt(area)."""
 
-LENGTH_TOLERANCE = 0.10
+LENGTH_TOLERANCE = 0.25
 """Largest relative difference of the distances within a guided triplet."""
 
-CENTRALITY_TOLERANCE = 0.15
+CENTRALITY_TOLERANCE = 0.30
 """Largest relative difference of the average geodesic distance of two samples that may be matched in a triplet."""
 
 ATTEMPTS = 1000

@@ -10,7 +10,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -32,7 +32,7 @@ from .proposals import (
 LEAST_BATCHES = 32
 LARGEST_BATCH = 50_000
 
-WEIGHT_SCALE = 0.1
+WEIGHT_SCALE = 0.15
 """Difference of geodesic distances per sqrt(area) at which the weight of a pair has fallen to 1 / e."""
 
 WEIGHT_POWER = 6.0
@@ -40,6 +40,10 @@ WEIGHT_POWER = 6.0
 
 DEFAULT_MIN_FRACTION = 0.4
 """Section 6: K is 40 % of the samples."""
+
+
+KEPT = 300
+"""How many of the best guided triplets are kept, for the explanations that they stand for."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,6 +58,10 @@ class Votes:
         How many triplets were evaluated.
     n_voting
         How many of them voted.
+    best1, best2
+        (B, 3) int64, the best triplets of both sides; none where triplets are uniform.
+    totals
+        (B,) float64, the sums of their weights, not increasing.
     warnings
         What a user should know.
     """
@@ -61,11 +69,30 @@ class Votes:
     matrix: np.ndarray
     n_triplets: int
     n_voting: int
+    best1: np.ndarray
+    best2: np.ndarray
+    totals: np.ndarray
     warnings: tuple[str, ...] = ()
 
+    def __add__(self, other: Votes) -> Votes:
+        """Both together; of equally good triplets those of the first come first."""
+        best1, best2, totals = (
+            np.concatenate([getattr(self, name), getattr(other, name)]) for name in ("best1", "best2", "totals")
+        )
+        order = np.argsort(-totals, kind="stable")[:KEPT]
+        return Votes(
+            self.matrix + other.matrix,
+            self.n_triplets + other.n_triplets,
+            self.n_voting + other.n_voting,
+            best1[order],
+            best2[order],
+            totals[order],
+            self.warnings + other.warnings,
+        )
 
-Batch = Callable[[np.random.SeedSequence, int], tuple[np.ndarray, int, int]]
-"""Takes a random stream and a number of triplets; gives votes (N1, N2), triplets evaluated, triplets that voted."""
+
+Batch = Callable[[np.random.SeedSequence, int], Votes]
+"""Takes a random stream and a number of triplets."""
 
 
 def cast_votes(source: Surface, target: Surface, settings: MatchSettings, progress: Progress | None = None) -> Votes:
@@ -86,21 +113,24 @@ def cast_votes(source: Surface, target: Surface, settings: MatchSettings, progre
     n_batches = max(LEAST_BATCHES, -(-total // LARGEST_BATCH))
     sizes = [total * (k + 1) // n_batches - total * k // n_batches for k in range(n_batches)]
     streams = np.random.SeedSequence(settings.seed).spawn(n_batches)
-    matrix = np.zeros((len(source.samples), len(target.samples)))
-    evaluated = voting = 0
+    votes = _without_triplets(np.zeros((len(source.samples), len(target.samples))), 0, 0)
     if progress is not None and not _is_compiled(settings.proposal):
         progress("compiling", 0, 1)
     with ThreadPoolExecutor(settings.jobs or os.cpu_count() or 1) as pool:
         try:
-            for done, (votes, n, m) in enumerate(pool.map(batch, streams, sizes)):
-                matrix += votes
-                evaluated, voting = evaluated + n, voting + m
+            for done, more in enumerate(pool.map(batch, streams, sizes)):
+                votes += more
                 if progress is not None:
                     progress("voting", done + 1, n_batches)
         except BaseException:
             pool.shutdown(wait=False, cancel_futures=True)
             raise
-    return Votes(matrix, evaluated, voting, warnings)
+    return replace(votes, warnings=warnings)
+
+
+def _without_triplets(matrix: np.ndarray, n_triplets: int, n_voting: int) -> Votes:
+    none = np.empty((0, 3), np.int64)
+    return Votes(matrix, n_triplets, n_voting, none, none, np.empty(0))
 
 
 def _is_compiled(proposal: str) -> bool:
@@ -116,10 +146,11 @@ def _uniform(source: Surface, target: Surface, settings: MatchSettings) -> tuple
     points1, points2 = homogeneous(source.positions), homogeneous(target.positions)
     spherical = settings.distance == "spherical"
 
-    def batch(stream: np.random.SeedSequence, size: int) -> tuple[np.ndarray, int, int]:
+    def batch(stream: np.random.SeedSequence, size: int) -> Votes:
         triplets = uniform_triplets(np.random.default_rng(stream), size, len(points1), len(points2))
         matrix = np.zeros((len(points1), len(points2)))
-        return matrix, size, vote(points1, points2, *triplets, least_pairs, settings.epsilon, spherical, matrix)
+        n_voting = vote(points1, points2, *triplets, least_pairs, settings.epsilon, spherical, matrix)
+        return _without_triplets(matrix, size, n_voting)
 
     return batch, ()
 
@@ -143,10 +174,12 @@ def _guided(source: Surface, target: Surface, settings: MatchSettings) -> tuple[
         spherical=settings.distance == "spherical",
     )
 
-    def batch(stream: np.random.SeedSequence, size: int) -> tuple[np.ndarray, int, int]:
+    def batch(stream: np.random.SeedSequence, size: int) -> Votes:
         triplets1, triplets2 = draw(np.random.default_rng(stream), size)
-        matrix = np.zeros(similarity.shape)
-        return matrix, len(triplets1), weigh(triplets1, triplets2, votes=matrix)
+        matrix, totals = np.zeros(similarity.shape), np.empty(len(triplets1))
+        n_voting = weigh(triplets1, triplets2, votes=matrix, totals=totals)
+        best = np.argsort(-totals, kind="stable")[:KEPT]
+        return Votes(matrix, len(triplets1), n_voting, triplets1[best], triplets2[best], totals[best])
 
     return batch, warnings
 

@@ -1,0 +1,80 @@
+"""Gauss and mean curvature, smoothed so that two triangulations of one shape agree."""
+
+from __future__ import annotations
+
+import numpy as np
+import scipy.sparse as sp
+import scipy.sparse.linalg as spla
+
+from .laplacian import IntrinsicMesh, corner_angles, cotangent_laplacian, vertex_areas
+
+STEPS = 5
+
+
+def gauss_curvature(mesh: IntrinsicMesh, radius: float) -> np.ndarray:
+    """Gauss curvature (n,) from the angle deficit (Desbrun et al. 2002), smoothed, times the surface's area.
+
+    At a boundary the deficit is that of the geodesic curvature's angle, which is not Gauss curvature: it counts as
+    zero.
+
+    Parameters
+    ----------
+    mesh
+        Any triangulation of the surface.
+    radius
+        Width of the smoothing per sqrt(area).
+    """
+    angle_sum = np.bincount(mesh.faces.ravel(), corner_angles(mesh.lengths).ravel(), mesh.n_vertices)
+    return smoothed_density(mesh, np.where(_on_boundary(mesh), 0.0, 2 * np.pi - angle_sum), radius)
+
+
+def mean_curvature(mesh: IntrinsicMesh, vertices: np.ndarray, faces: np.ndarray, radius: float) -> np.ndarray:
+    """Mean curvature (n,), smoothed, times sqrt(area); positive where the surface bulges outwards.
+
+    Parameters
+    ----------
+    mesh
+        A triangulation of the surface, for the Laplacian and the smoothing.
+    vertices, faces
+        The mesh in space, consistently oriented, for normals.
+    radius
+        Width of the smoothing per sqrt(area).
+    """
+    first, second, third = (vertices[faces[:, corner]] for corner in range(3))
+    crossed = np.cross(second - first, third - first)
+    normals = np.stack(
+        [np.bincount(faces.ravel(), np.repeat(crossed[:, axis], 3), len(vertices)) for axis in range(3)], axis=1
+    )
+    normals = normals / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), np.finfo(float).tiny)
+    # The Laplacian of the position is the mean curvature normal, integrated over the vertex's cell.
+    integrated = 0.5 * np.einsum("ij,ij->i", cotangent_laplacian(mesh) @ vertices, normals)
+    scale = np.sqrt(vertex_areas(mesh).sum())
+    return smoothed_density(mesh, np.where(_on_boundary(mesh), 0.0, integrated / scale), radius)
+
+
+def smoothed_density(mesh: IntrinsicMesh, integrated: np.ndarray, radius: float) -> np.ndarray:
+    """A quantity given as integrals over the vertices' cells (n,), as a density on the surface scaled to area 1.
+
+    It spreads by small implicit steps of the heat equation to the given width, per sqrt(area); its integral stays.
+    """
+    areas = vertex_areas(mesh)
+    masses = np.maximum(areas / areas.sum(), 1e-12 / len(areas))
+    # The Laplacian has no units in two dimensions; masses of a unit surface make the step free of scale.
+    heat = spla.splu(
+        (sp.diags(masses) + radius**2 / STEPS * cotangent_laplacian(mesh)).tocsc(),
+        permc_spec="MMD_AT_PLUS_A",
+        diag_pivot_thresh=0.0,
+        options={"SymmetricMode": True},
+    )
+    density = heat.solve(integrated)
+    for _ in range(STEPS - 1):
+        density = heat.solve(masses * density)
+    return density
+
+
+def _on_boundary(mesh: IntrinsicMesh) -> np.ndarray:
+    once = np.bincount(mesh.face_edges.ravel(), minlength=mesh.n_edges)[mesh.face_edges] == 1
+    boundary = np.zeros(mesh.n_vertices, bool)
+    boundary[mesh.faces[:, [1, 2, 0]][once]] = True
+    boundary[mesh.faces[:, [2, 0, 1]][once]] = True
+    return boundary

@@ -1,0 +1,185 @@
+"""Several explanations of one pair of surfaces, and the choice between them.
+
+Beyond the paper. On shapes that are nearly symmetric, or far from isometric, a wrong explanation (front taken for
+back, head for feet) can gain more votes than the right one. The best triplets are grouped by where they send the
+surface; each group's matches are extended to a map of the whole surface by spectral upsampling (Melzi et al. 2019), and
+the maps are compared by what the votes do not see: distances over all pairs, the Laplacian, curvature.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from .geometry.spectral import functional_map, nearest_rows
+from .matrix_processing import max_row_column
+from .mobius import homogeneous
+from .surface import Surface
+from .voting import Votes
+from .voting.kernel import explained_pairs
+
+GROUP_RADIUS = 0.2
+"""Two triplets tell the same if they send the samples to places that differ by less, on average, per sqrt(area)."""
+
+LEAST_SHARE = 0.6
+"""Groups whose best triplet weighs less than this part of the best of all are not examined."""
+
+MOST_GROUPS = 8
+TRUSTED = 60
+"""How many of a group's matches its map is made from."""
+
+FEATURE_SCALE = 0.3
+"""Distance per sqrt(area) over which a match has a say in the first map."""
+
+UPSAMPLING = (20, 30, 40, 50)
+"""Numbers of eigenfunctions from one refinement of the map to the next."""
+
+COMPARED = 20
+"""Number of eigenfunctions on which maps are compared with the Laplacian."""
+
+WEIGHTS = {"distances": 5.0, "laplacian": 1.0, "mean curvature": 2.0, "gauss curvature": 2.0, "votes": 1.5}
+"""What each kind of evidence counts."""
+
+
+@dataclass(frozen=True, eq=False)
+class Explanation:
+    """One way to see the target as the source in another pose.
+
+    Parameters
+    ----------
+    image
+        (P1,) int64: target vertex of each vertex of the source's proxy.
+    evidence
+        How badly it fits, by kind: 0 is perfect.
+    badness
+        The weighted sum of the evidence; the smallest wins.
+    share
+        The part of the best triplets that tell this explanation.
+    """
+
+    image: np.ndarray
+    evidence: dict[str, float]
+    badness: float
+    share: float
+
+
+def explanations(source: Surface, target: Surface, votes: Votes) -> list[Explanation]:
+    """The explanations that the best triplets stand for, the best first.
+
+    Parameters
+    ----------
+    source, target
+        The surfaces.
+    votes
+        Votes of guided triplets on them. Without triplets there is no explanation.
+    """
+    pairs = explained_pairs(homogeneous(source.positions), homogeneous(target.positions), votes.best1, votes.best2)
+    found = []
+    for group in group_triplets(pairs, target.normalized_distances, votes.totals):
+        image = spread_to_surface(source, target, _matches(pairs[group], votes.totals[group], len(target.samples)))
+        evidence = compare(source, target, image)
+        evidence["votes"] = float(np.log(votes.totals[0] / votes.totals[group[0]]))
+        badness = sum(WEIGHTS[kind] * value for kind, value in evidence.items())
+        found.append(Explanation(target.proxy[image], evidence, badness, len(group) / len(pairs)))
+    return sorted(found, key=lambda explanation: explanation.badness)
+
+
+def group_triplets(pairs: np.ndarray, distances: np.ndarray, totals: np.ndarray) -> list[np.ndarray]:
+    """Group triplets by where they send the samples.
+
+    Parameters
+    ----------
+    pairs
+        (B, N1) int, the target sample of each source sample under each triplet, -1 for none, best triplet first.
+    distances
+        (N2, N2) between the target's samples per sqrt(area).
+    totals
+        (B,) weights of the triplets, not increasing.
+
+    Returns
+    -------
+    list of numpy.ndarray
+        Numbers of the triplets of each group; the first of each is its best, and the groups are in their order.
+    """
+    left = np.flatnonzero(totals >= LEAST_SHARE * totals.max(initial=0.0))
+    groups: list[np.ndarray] = []
+    while len(left) and len(groups) < MOST_GROUPS:
+        leader = pairs[left[0]]
+        shared = (pairs[left] >= 0) & (leader >= 0)
+        apart = np.where(shared, distances[pairs[left], leader], 0.0).sum(axis=1) / np.maximum(shared.sum(axis=1), 1)
+        same = (apart < GROUP_RADIUS) & shared.any(axis=1)
+        same[0] = True
+        groups.append(left[same])
+        left = left[~same]
+    return groups
+
+
+def _matches(pairs: np.ndarray, totals: np.ndarray, n2: int) -> np.ndarray:
+    """The matches (q, 2) that a group of triplets agrees on."""
+    votes = np.zeros((pairs.shape[1], n2))
+    for row, total in zip(pairs, totals, strict=True):
+        paired = np.flatnonzero(row >= 0)
+        votes[paired, row[paired]] += total**2
+    return max_row_column(votes)[0][:TRUSTED]
+
+
+def spread_to_surface(source: Surface, target: Surface, matches: np.ndarray) -> np.ndarray:
+    """A map of the whole proxy from matches of samples (q, 2): numbers (P1,) in the target's proxy."""
+    features = [
+        np.exp(-surface.proxy_distances[matches[:, side]].T / (FEATURE_SCALE * np.sqrt(surface.area)))
+        for side, surface in enumerate((source, target))
+    ]
+    image = nearest_rows(*features)
+    first, second = (surface.eigenfunctions[surface.proxy] for surface in (source, target))
+    for count in UPSAMPLING:
+        transfer = functional_map(first[:, :count], second[image][:, :count])
+        image = nearest_rows(first[:, :count] @ transfer, second[:, :count])
+    return image
+
+
+def compare(source: Surface, target: Surface, image: np.ndarray) -> dict[str, float]:
+    """Evidence against a map of the proxy (P1,) to the target's proxy; 0 is perfect in each kind."""
+    # A sample and its image are replaced by the nearest points that distances are known from.
+    mine, theirs = (surface.proxy_distances / np.sqrt(surface.area) for surface in (source, target))
+    landing = theirs[:, image[mine.argmin(axis=1)]].argmin(axis=0)
+    first, second = (surface.eigenfunctions[surface.proxy][:, :COMPARED] for surface in (source, target))
+    transfer = functional_map(first, second[image])
+    low, high = source.eigenvalues[: transfer.shape[0]], target.eigenvalues[: transfer.shape[1]]
+    gauss, mean = (
+        1 - _rank_correlation(of_source, of_target[image])
+        for of_source, of_target in zip(source.proxy_curvatures, target.proxy_curvatures, strict=True)
+    )
+    return {
+        "distances": float(np.abs(np.log((mine + 0.1) / (theirs[landing][:, image] + 0.1))).mean()),
+        "laplacian": float(
+            np.linalg.norm(transfer * high - low[:, None] * transfer) / np.linalg.norm(low[:, None] * transfer)
+        ),
+        "mean curvature": mean,
+        "gauss curvature": gauss,
+    }
+
+
+def _rank_correlation(first: np.ndarray, second: np.ndarray) -> float:
+    """Spearman's; 0 where one of the two does not vary."""
+    from scipy.stats import spearmanr
+
+    if np.ptp(first) == 0 or np.ptp(second) == 0:
+        return 0.0
+    return float(spearmanr(first, second)[0])
+
+
+def agreement(source: Surface, target: Surface, explanation: Explanation, radius: float) -> np.ndarray:
+    """How near each target sample is to where an explanation sends each source sample, (N1, N2) in [0, 1].
+
+    A Gaussian of the geodesic distance, whose width is ``radius`` per sqrt(area).
+    """
+    place = explanation.image[source.proxy_distances.argmin(axis=1)]
+    column = np.searchsorted(target.proxy, place)
+    return np.exp(-((target.proxy_distances[:, column].T / (radius * np.sqrt(target.area))) ** 2))
+
+
+def finer_targets(source: Surface, target: Surface, explanation: Explanation, vertices: np.ndarray) -> np.ndarray:
+    """Where an explanation sends vertices of the source, no longer bound to samples: target vertices (q,) int64."""
+    transfer = functional_map(source.eigenfunctions[source.proxy], target.eigenfunctions[explanation.image])
+    return nearest_rows(source.eigenfunctions[vertices] @ transfer, target.eigenfunctions)

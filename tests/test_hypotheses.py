@@ -1,0 +1,101 @@
+"""Explanations: grouping by hand, the identity's perfect score, and the choice on a nearly symmetric shape."""
+
+import numpy as np
+import pytest
+
+import mobius_match as mm
+from mobius_match import examples
+from mobius_match.hypotheses import (
+    WEIGHTS,
+    Explanation,
+    agreement,
+    compare,
+    explanations,
+    finer_targets,
+    group_triplets,
+    spread_to_surface,
+)
+from mobius_match.settings import MatchSettings
+from mobius_match.voting import cast_votes
+from tests.shapes import lump, renumbered
+
+
+@pytest.fixture(scope="module")
+def surface():
+    return mm.prepare(lump(4))
+
+
+def test_triplets_are_grouped_by_where_they_send_the_samples():
+    """Four points on a line, a step of 1 apart: two triplets send them to their places, two turn them round."""
+    distances = np.abs(np.arange(4)[:, None] - np.arange(4)) * 1.0
+    pairs = np.array([[0, 1, 2, 3], [3, 2, 1, 0], [0, 1, -1, -1], [3, -1, -1, 0], [1, 0, 3, 2]])
+    groups = group_triplets(pairs, distances, np.array([10.0, 9.0, 8.0, 7.0, 1.0]))
+    assert [group.tolist() for group in groups] == [[0, 2], [1, 3]], "the last is too weak to be examined"
+
+
+def test_triplets_that_share_no_pair_tell_different_things():
+    pairs = np.array([[0, -1], [-1, 1]])
+    groups = group_triplets(pairs, np.zeros((2, 2)), np.ones(2))
+    assert [group.tolist() for group in groups] == [[0], [1]]
+    assert group_triplets(np.empty((0, 3), int), np.zeros((3, 3)), np.empty(0)) == []
+
+
+def test_identity_spreads_to_the_identity_and_has_nothing_against_it(surface):
+    matches = np.stack([np.arange(40), np.arange(40)], axis=1)
+    image = spread_to_surface(surface, surface, matches)
+    np.testing.assert_array_equal(image, np.arange(len(surface.proxy)))
+    evidence = compare(surface, surface, image)
+    assert set(evidence) | {"votes"} == set(WEIGHTS)
+    for kind, value in evidence.items():
+        assert abs(value) < 0.02, kind
+
+
+def test_wrong_maps_have_evidence_of_every_kind_against_them(surface):
+    image = np.random.default_rng(0).permutation(len(surface.proxy))
+    evidence = compare(surface, surface, image)
+    assert evidence["distances"] > 0.1
+    assert evidence["laplacian"] > 0.5
+    assert evidence["mean curvature"] > 0.8
+    assert evidence["gauss curvature"] > 0.8
+
+
+def test_agreement_is_one_where_the_explanation_sends_a_sample(surface):
+    identity = Explanation(surface.proxy, {}, 0.0, 1.0)
+    found = agreement(surface, surface, identity, 0.1)
+    assert found.shape == (100, 100)
+    np.testing.assert_array_equal(found.argmax(axis=1), np.arange(100))
+    assert (np.diag(found) > 0.5).all()
+    expected = np.exp(-((surface.normalized_distances / 0.1) ** 2))
+    assert np.abs(found - expected).mean() < 0.01
+
+
+def test_targets_get_finer_than_samples():
+    """Any vertex finds its copy, whether it was a sample or not."""
+    shape = lump(4)
+    copy, new = renumbered(shape)
+    first, second = mm.prepare(shape), mm.prepare(copy)
+    found = explanations(first, second, cast_votes(first, second, MatchSettings()))
+    vertices = np.arange(0, len(shape[0]), 5)
+    error = np.linalg.norm(copy[0][finer_targets(first, second, found[0], vertices)] - shape[0][vertices], axis=1)
+    assert np.mean(error == 0) > 0.95
+    np.testing.assert_array_equal(np.sort(new), np.arange(len(new)))
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_person_is_not_turned_round(seed):
+    """The mirrored and the turned person have their triplets too; they lose, and are told as alternatives."""
+    result = mm.match(*examples.paths("person"), seed=seed)
+    assert all(one.margin > 0 for one in result.alternatives)
+    assert [one.margin for one in result.alternatives] == sorted(one.margin for one in result.alternatives)
+    target = mm.read_mesh(examples.paths("person")[1])
+    faces, barycentric = examples.truth("person")
+    truth = np.einsum("ijk,ij->ik", target.vertices[target.faces[faces]], barycentric)
+    height = np.ptp(target.vertices, axis=0).max()
+    error = np.linalg.norm(target.vertices[result.pairs[:, 1]] - truth[result.pairs[:, 0]], axis=1) / height
+    assert np.mean(error < 0.05) > 0.95
+
+
+def test_uniform_votes_have_no_explanations():
+    result = mm.match(lump(2), lump(2), preset="paper", votes=2000, samples=20)
+    assert result.alternatives == ()
+    assert len(result.votes.totals) == 0
