@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import mobius_match as mm
+from mobius_match import examples
 from tests.shapes import lump
 
 
@@ -31,7 +32,21 @@ def test_file_is_the_contracts(result, tmp_path):
     assert {row["kind"] for row in rows} <= {"voted", "recovered"}
     assert content["settings"]["samples"] == 30
     assert content["timings"]["total"] > 0
+    assert 0 < content["diagnostics"]["source closure"] < 1e-9
+    assert content["diagnostics"]["triplets"] >= content["diagnostics"]["voting triplets"] > 0
+    assert "alternatives" not in content
     assert content["software"]["mobius-match"] == mm.__version__
+
+
+def test_alternatives_are_written_when_asked_for():
+    person = mm.match(*examples.paths("person"))
+    rows = person.to_dict(alternatives=True)["alternatives"]
+    assert [row["margin"] for row in rows] == [one.margin for one in person.alternatives]
+    assert len(rows) > 0
+    for row, one in zip(rows, person.alternatives, strict=True):
+        assert [(pair["source"], pair["target"]) for pair in row["correspondences"]] == list(
+            map(tuple, one.pairs.tolist())
+        )
 
 
 def test_load_returns_what_was_saved_to_the_last_bit(result, tmp_path):

@@ -58,6 +58,9 @@ class Correspondence:
         Path, SHA-256, numbers of vertices and faces, area and geodesic diameter of the two meshes.
     settings, timings, software
         What the match was made with, and the seconds that its stages took.
+    diagnostics
+        How the conjugate functions close (section 5), as fractions of the flattenings' extents, and how many triplets
+        were evaluated and voted.
     warnings
         What a user should know about the meshes and the match, one line each.
     source, target
@@ -76,6 +79,7 @@ class Correspondence:
     settings: dict[str, Any]
     timings: dict[str, float] = field(default_factory=dict)
     software: dict[str, str] = field(default_factory=dict)
+    diagnostics: dict[str, float] = field(default_factory=dict)
     warnings: tuple[str, ...] = ()
     source: Surface | None = None
     target: Surface | None = None
@@ -89,22 +93,25 @@ class Correspondence:
         names = [Path(info["path"] or "array").name for info in (self.source_info, self.target_info)]
         return f"<Correspondence {names[0]} -> {names[1]}: {len(self)} pairs>"
 
-    def to_dict(self) -> dict[str, Any]:
-        """The result as JSON-able values, in the layout of the result file."""
-        return {
+    def to_dict(self, *, alternatives: bool = False) -> dict[str, Any]:
+        """The result as JSON-able values, in the layout of the result file; with the alternatives if asked for."""
+        content = {
             "format": FORMAT,
             "version": VERSION,
             "source": self.source_info,
             "target": self.target_info,
-            "correspondences": [
-                {"source": int(i), "target": int(j), "confidence": float(c), "kind": str(kind)}
-                for (i, j), c, kind in zip(self.pairs, self.confidence, self.kind, strict=True)
-            ],
+            "correspondences": _rows(self),
             "settings": self.settings,
             "timings": self.timings,
             "software": self.software,
+            "diagnostics": self.diagnostics,
             "warnings": list(self.warnings),
         }
+        if alternatives:
+            content["alternatives"] = [
+                {"margin": one.margin, "share": one.share, "correspondences": _rows(one)} for one in self.alternatives
+            ]
+        return content
 
     def to_json(self) -> str:
         """The text of the result file."""
@@ -145,10 +152,18 @@ class Correspondence:
                 settings=dict(content["settings"]),
                 timings=dict(content["timings"]),
                 software=dict(content["software"]),
+                diagnostics=dict(content.get("diagnostics", {})),
                 warnings=tuple(content.get("warnings", ())),
             )
         except (KeyError, TypeError, ValueError, OverflowError) as error:
             raise FormatError(f"{path}: the result file is damaged ({error!r}); make it again") from error
+
+
+def _rows(matches: Correspondence | Alternative) -> list[dict[str, Any]]:
+    return [
+        {"source": int(i), "target": int(j), "confidence": float(c), "kind": str(kind)}
+        for (i, j), c, kind in zip(matches.pairs, matches.confidence, matches.kind, strict=True)
+    ]
 
 
 def write_atomically(path: Path, content: bytes) -> None:

@@ -108,6 +108,12 @@ def match(
         timings=timings,
         software={name: version(name) for name in ("mobius-match", "numpy", "scipy", "numba", "libigl", "potpourri3d")}
         | {"python": platform.python_version()},
+        diagnostics={
+            "source closure": first.closure,
+            "target closure": second.closure,
+            "triplets": votes.n_triplets,
+            "voting triplets": votes.n_voting,
+        },
         warnings=(*_notes(first), *_notes(second), *votes.warnings, *_doubts(found)),
         alternatives=tuple(
             Alternative(*lists, explanation.badness - found[0].badness, explanation.share)

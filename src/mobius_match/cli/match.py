@@ -89,6 +89,9 @@ def match(
         Path | None,
         Option(metavar="FILE", help="TOML file with settings by the names above; options here win over it."),
     ] = None,
+    alternatives: Annotated[
+        bool, Option("--alternatives", help="Write the other explanations into the JSON, with their matches.")
+    ] = False,
     quiet: Quiet = False,
     verbose: Verbose = False,
 ) -> None:
@@ -121,13 +124,15 @@ def match(
             write(picture, draw(result))
             reporter.notes([f"picture written to {picture}"])
         if output is not None and output != STDOUT:
-            write(output, to_json(result.to_dict()))
+            write(output, to_json(result.to_dict(alternatives=alternatives)))
             reporter.notes([f"{len(result)} correspondences written to {output}"])
     if verbose:
         for name, seconds in result.timings.items():
             say(f"{name}: {seconds:.3f} s")
+        for name, value in result.diagnostics.items():
+            say(f"{name}: {value:.3g}")
     if json or output == STDOUT:
-        write(STDOUT, to_json(result.to_dict()))
+        write(STDOUT, to_json(result.to_dict(alternatives=alternatives)))
     elif output is None:
         print_table(_table(result))
 
