@@ -14,7 +14,7 @@ import pytest
 
 from tests.evaluation.conftest import lumps  # noqa: F401  # a fixture
 
-QUICK = ("--samples", 25, "--votes", 4000, "--geodesics", "heat")
+QUICK = ("--samples", 25, "--votes", 4000, "--geodesics", "heat", "--jobs", 1)
 
 
 @pytest.fixture
@@ -53,7 +53,7 @@ def test_run_report_resume_and_compare(mobius, two, tmp_path):
     config.write_text("samples = 25\nvotes = 4000\nseed = 7\njobs = 1\n")
     pairs = tmp_path / "pairs.txt"
     pairs.write_text("lump0 lump1\n")
-    options = ("--pairs", pairs, "--config", config, "--seed", 8, "--geodesics", "heat")
+    options = ("--pairs", pairs, "--config", config, "--seed", 8)
     assert mobius("bench", two, "-o", other, *options).code == 0
     found = json.loads((other / "run.json").read_text())
     assert (found["cases"], found["settings"]["seed"], found["settings"]["votes"]) == (["lump0-lump1"], 8, 4000)
@@ -95,12 +95,10 @@ def test_maps_of_another_program(mobius, two, tmp_path):
         dense[first - 1] = second - 1
         np.savetxt(maps / f"lump{source}-lump{target}.txt", dense, fmt="%d")
     out = tmp_path / "out"
-    ended = mobius("bench", two, "-o", out, "--maps", maps, "--index-base", 0, "--geodesics", "heat", "--json")
+    ended = mobius("bench", two, "-o", out, "--maps", maps, "--index-base", 0, *QUICK, "--json")
     assert ended.code == 0
     assert json.loads(ended.out)["lump"]["direct"]["dense_mean"] == 0
     assert json.loads(ended.out)["lump"]["mirrored"]["dense_mean"] > 0.1
-    ended = mobius("bench", two, "-o", tmp_path / "table", "--maps", maps, "--index-base", 0, "--geodesics", "heat")
-    assert "0.00" in ended.out
 
 
 @pytest.mark.parametrize(

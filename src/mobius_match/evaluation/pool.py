@@ -68,15 +68,29 @@ class Workers:
 
 @contextlib.contextmanager
 def _uninterrupted() -> Iterator[None]:
-    """Processes started in here never see Ctrl-C, which a terminal sends to all; the caller gets it afterwards."""
-    if not hasattr(signal, "pthread_sigmask"):
+    """No signal leaves a process half started, and the started ones do not get Ctrl-C, which a terminal sends to all.
+
+    The caller gets the signal afterwards.
+    """
+    if threading.current_thread() is not threading.main_thread():  # where Python handles signals
         yield
         return
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    came: list[int] = []
+    both = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
+    handlers = {number: handler for number, handler in both.items() if handler is not None}  # None: not Python's
+    for number in handlers:
+        signal.signal(number, lambda which, _: came.append(which))
+    if hasattr(signal, "pthread_sigmask"):  # processes inherit it
+        mask = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
         yield
     finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+        if hasattr(signal, "pthread_sigmask"):
+            signal.pthread_sigmask(signal.SIG_SETMASK, mask)
+        for number, handler in handlers.items():
+            signal.signal(number, handler)
+        if came:
+            signal.raise_signal(came[0])
 
 
 def _begin() -> None:
