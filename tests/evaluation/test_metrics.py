@@ -9,8 +9,15 @@ from mobius_match.mesh import Mesh
 from tests.shapes import bent, grid, icosphere, lump, tube
 
 
+def folded_sheet():
+    """Two layers that lie close together and are joined at one edge: what is near in space may be far along."""
+    vertices, faces = grid(20, 9)
+    return np.stack([np.abs(vertices[:, 0] - 10), vertices[:, 1], 0.2 * (vertices[:, 0] > 10)], axis=1), faces
+
+
 @pytest.mark.parametrize(
-    "shape", [lump(3), bent(grid(16, 12)), grid(14, 11, holes=((5, 5), (6, 5), (2, 8))), tube(), icosphere(2)]
+    "shape",
+    [lump(3), bent(grid(16, 12)), grid(14, 11, holes=((5, 5), (6, 5), (2, 8))), tube(), icosphere(2), folded_sheet()],
 )
 def test_exact_distances_are_those_of_the_whole_mesh(shape):
     vertices, faces = shape

@@ -143,6 +143,12 @@ def test_numbers_are_those_of_the_file_whatever_repair_removed():
     dense[5] = 0  # a vertex that is in no face is no place on the surface
     assert known.score_map(dense)["unmapped"] == 1
     assert len(known.score_map(dense)["direct"]) == len(vertices) - 1
+    # So is a mirrored truth there, and its point does not count at all.
+    mirrored = np.arange(len(extra))
+    mirrored[7:10] = 1
+    found = scorer(mesh, mesh, identity(len(extra), mirrored), size=1.0).score_map(np.arange(len(extra)))
+    assert [len(found[name]) for name in ("direct", "mirrored")] == [len(vertices) - 3] * 2
+    assert found["unmapped"] == 0
 
 
 def test_numbers_of_another_mesh_are_refused():

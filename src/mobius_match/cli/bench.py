@@ -44,7 +44,8 @@ def bench(
     geodesics: Annotated[
         str,
         Option(
-            metavar="exact|heat", help="How errors are measured; heat is quicker, and a tenth too small for small ones."
+            metavar="exact|heat",
+            help="How errors are measured; heat is quicker, small errors a tenth too small.",
         ),
     ] = "exact",
     resume: Annotated[bool, Option("--resume", help="Go on with the run that OUT holds.")] = False,
