@@ -63,7 +63,7 @@ def match_pair(case: Case, scoring: str, folder: Path, settings: MatchSettings) 
     result = match(source, target, **settings.to_dict())
     timings = {f"source {name}": seconds for name, seconds in source.timings.items()}
     timings |= {f"target {name}": seconds for name, seconds in target.timings.items()}
-    timings |= {name: result.timings[name] for name in ("voting", "matrix processing")}
+    timings |= {name: seconds for name, seconds in result.timings.items() if name not in ("reading", "total")}
     timings["total"] = sum(timings.values())
     start = time.perf_counter()
     scored = _scorer(case, source.mesh, target.mesh, scoring)
