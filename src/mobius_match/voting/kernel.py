@@ -111,6 +111,45 @@ def mutually_nearest(
 
 
 @jit
+def scratch(n1: int, n2: int) -> tuple[np.ndarray, ...]:
+    """Room for one triplet's images in the plane and on the sphere, and for the search for nearest neighbours."""
+    return (
+        np.empty((2, n1), np.float32),
+        np.empty((2, n2), np.float32),
+        np.empty((3, n1), np.float32),
+        np.empty((3, n2), np.float32),
+        np.empty(n2, np.float32),
+        np.empty(n2, np.float32),
+    )
+
+
+@jit
+def candidates(
+    points1: np.ndarray,
+    points2: np.ndarray,
+    triplet1: np.ndarray,
+    triplet2: np.ndarray,
+    spherical: bool,
+    space: tuple[np.ndarray, ...],
+    squared: np.ndarray,
+    partner: np.ndarray,
+) -> int:
+    """The candidate correspondence c of a triplet: move both sets to the canonical domain, pair the mutually nearest.
+
+    Writes ``partner`` and ``squared`` as :func:`mutually_nearest` does, and returns the number n of pairs; -1 where
+    the triplet has no transformation.
+    """
+    plane1, plane2, sphere1, sphere2, row, column_least = space
+    if not to_canonical(points1, triplet1, plane1) or not to_canonical(points2, triplet2, plane2):
+        return -1
+    if spherical:
+        to_sphere(plane1, sphere1)
+        to_sphere(plane2, sphere2)
+        return mutually_nearest(sphere1, sphere2, row, squared, column_least, partner)
+    return mutually_nearest(plane1, plane2, row, squared, column_least, partner)
+
+
+@jit
 def deformation(squared: float, spherical: bool) -> float:
     """Distance of a pair in the canonical domain, section 7: |z - w|, or |z - w| / |1 + conj(z) w| on the sphere.
 
@@ -153,21 +192,12 @@ def vote(
     int
         How many triplets voted.
     """
-    n1, n2 = len(points1), len(points2)
-    plane1, plane2 = np.empty((2, n1), np.float32), np.empty((2, n2), np.float32)
-    sphere1, sphere2 = np.empty((3, n1), np.float32), np.empty((3, n2), np.float32)
-    row, squared, column_least = np.empty(n2, np.float32), np.empty(n1, np.float32), np.empty(n2, np.float32)
-    partner = np.empty(n1, np.int32)
+    n1 = len(points1)
+    space = scratch(n1, len(points2))
+    squared, partner = np.empty(n1, np.float32), np.empty(n1, np.int32)
     n_voting = 0
     for i in range(len(triplets1)):
-        if not to_canonical(points1, triplets1[i], plane1) or not to_canonical(points2, triplets2[i], plane2):
-            continue
-        if spherical:
-            to_sphere(plane1, sphere1)
-            to_sphere(plane2, sphere2)
-            n = mutually_nearest(sphere1, sphere2, row, squared, column_least, partner)
-        else:
-            n = mutually_nearest(plane1, plane2, row, squared, column_least, partner)
+        n = candidates(points1, points2, triplets1[i], triplets2[i], spherical, space, squared, partner)
         if n >= least_pairs:
             energy = 0.0
             for k in range(n1):
@@ -217,22 +247,13 @@ def vote_weighted(
 
     The other parameters, and what is returned, are those of :func:`vote`.
     """
-    n1, n2 = len(points1), len(points2)
-    plane1, plane2 = np.empty((2, n1), np.float32), np.empty((2, n2), np.float32)
-    sphere1, sphere2 = np.empty((3, n1), np.float32), np.empty((3, n2), np.float32)
-    row, squared, column_least = np.empty(n2, np.float32), np.empty(n1, np.float32), np.empty(n2, np.float32)
-    partner, weight = np.empty(n1, np.int32), np.zeros(n1)
+    n1 = len(points1)
+    space = scratch(n1, len(points2))
+    squared, partner, weight = np.empty(n1, np.float32), np.empty(n1, np.int32), np.zeros(n1)
     n_voting = 0
     totals[:] = 0.0
     for i in range(len(triplets1)):
-        if not to_canonical(points1, triplets1[i], plane1) or not to_canonical(points2, triplets2[i], plane2):
-            continue
-        if spherical:
-            to_sphere(plane1, sphere1)
-            to_sphere(plane2, sphere2)
-            n = mutually_nearest(sphere1, sphere2, row, squared, column_least, partner)
-        else:
-            n = mutually_nearest(plane1, plane2, row, squared, column_least, partner)
+        n = candidates(points1, points2, triplets1[i], triplets2[i], spherical, space, squared, partner)
         if n >= least_pairs:
             total = 0.0
             for k in range(n1):
@@ -261,11 +282,9 @@ def explained_pairs(
 
     Parameters are those of :func:`vote`; the nearest in the plane are meant.
     """
-    n1, n2 = len(points1), len(points2)
-    plane1, plane2 = np.empty((2, n1), np.float32), np.empty((2, n2), np.float32)
-    row, squared, column_least = np.empty(n2, np.float32), np.empty(n1, np.float32), np.empty(n2, np.float32)
+    n1 = len(points1)
+    space, squared = scratch(n1, len(points2)), np.empty(n1, np.float32)
     pairs = np.full((len(triplets1), n1), np.int32(-1))
     for i in range(len(triplets1)):
-        if to_canonical(points1, triplets1[i], plane1) and to_canonical(points2, triplets2[i], plane2):
-            mutually_nearest(plane1, plane2, row, squared, column_least, pairs[i])
+        candidates(points1, points2, triplets1[i], triplets2[i], False, space, squared, pairs[i])
     return pairs
