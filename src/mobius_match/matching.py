@@ -139,7 +139,10 @@ def _pairs(
     pairs, confidence, recovered = process(matrix, source, target, settings)
     here, there = source.samples[pairs[:, 0]], target.samples[pairs[:, 1]]
     if explanation is not None:
-        there = finer_targets(source, target, explanation, here)
+        # Maxima of curvature (tips of ears and toes) mark the same points on both surfaces already; the map of few
+        # eigenfunctions would blur them.
+        features = (pairs[:, 0] < source.n_maxima) & (pairs[:, 1] < target.n_maxima)
+        there = np.where(features, there, finer_targets(source, target, explanation, here))
         # Two neighbours may end at one vertex; the more confident one keeps it.
         _, first = np.unique(there, return_index=True)
         first.sort()
