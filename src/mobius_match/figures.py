@@ -16,7 +16,7 @@ import numpy as np
 from .correspondence import write_atomically
 from .errors import MeshError, SettingsError
 from .mesh import as_mesh, repair
-from .mesh.measure import cross_products, unit_box
+from .mesh.measure import cross_products, unit_box, vertex_sums
 from .rendering import Shape, rasterise, render, unit, visible
 
 if TYPE_CHECKING:
@@ -130,8 +130,7 @@ def _shape(mesh: Mesh, numbers: np.ndarray) -> Shape:
         vertices = vertices[:, [0, 2, 1]] * [1, 1, -1]
     cross = cross_products(vertices, mesh.faces)
     area = np.linalg.norm(cross, axis=1).sum() / 2
-    corner = mesh.faces.ravel()
-    normals = np.stack([np.bincount(corner, np.repeat(c, 3), len(vertices)) for c in cross.T], axis=1)
+    normals = vertex_sums(mesh.faces, cross, len(vertices))
     return Shape(vertices / max(np.sqrt(area), 1e-3), mesh.faces, unit(normals), matched)
 
 

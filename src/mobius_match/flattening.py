@@ -12,9 +12,8 @@ from dataclasses import dataclass
 
 import numba
 import numpy as np
-import scipy.sparse.linalg as spla
 
-from .geometry.laplacian import IntrinsicMesh, corner_cotangents, cotangent_laplacian
+from .geometry.laplacian import IntrinsicMesh, corner_cotangents, cotangent_laplacian, factorized
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,8 +42,7 @@ class Flattening:
 def choose_cut_face(mesh: IntrinsicMesh, average_distance: np.ndarray) -> int:
     """A face at the vertex of least average geodesic distance, for infinity to lie in (section 5).
 
-    Of the faces there the one with the largest sum of its vertices' distances to the rest is not needed; the one
-    whose other vertices are also most central is taken, the lowest number first, so that the choice is stable.
+    Of the faces there the one whose other vertices are also most central is taken, the lowest number first.
 
     Parameters
     ----------
@@ -100,13 +98,7 @@ def _harmonic(mesh: IntrinsicMesh, low: int, high: int) -> np.ndarray:
     values = np.zeros(mesh.n_vertices)
     values[[low, high]] = -1.0, 1.0
     free = np.setdiff1d(np.arange(mesh.n_vertices), [low, high])
-    inverse = spla.splu(
-        laplacian[free][:, free],
-        permc_spec="MMD_AT_PLUS_A",
-        diag_pivot_thresh=0.0,
-        options={"SymmetricMode": True},
-    )
-    values[free] = inverse.solve(-(laplacian[free] @ values))
+    values[free] = factorized(laplacian[free][:, free]).solve(-(laplacian[free] @ values))
     return values
 
 

@@ -50,7 +50,7 @@ def rasterise(pixels: np.ndarray, shape: Shape, size: tuple[int, int]) -> tuple[
 
 
 @numba.njit(cache=True, nogil=True)
-def _fill(points, faces, normals, depth, normal):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+def _fill(points: np.ndarray, faces: np.ndarray, normals: np.ndarray, depth: np.ndarray, normal: np.ndarray) -> None:
     """Draw triangles with interpolated normals; the greatest z wins."""
     height, width = depth.shape
     for a, b, c in faces:

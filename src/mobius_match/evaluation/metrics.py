@@ -8,7 +8,7 @@ import numpy as np
 import scipy.sparse as sp
 from scipy.sparse.csgraph import dijkstra
 
-from ..geometry.geodesics import geodesic_solver
+from ..geometry.geodesics import edge_graph, geodesic_solver
 from ..mesh import Mesh
 from ..mesh.measure import areas, box_scale, unit_box
 
@@ -100,14 +100,6 @@ def _along_edges(graph: sp.csr_matrix, source: int, targets: np.ndarray, guess: 
         if np.isfinite(found).all():
             return found
         limit *= 2
-
-
-def edge_graph(vertices: np.ndarray, faces: np.ndarray) -> sp.csr_matrix:
-    """Edge lengths (n, n), each edge once."""
-    ends = np.unique(np.sort(faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1), axis=0)
-    lengths = np.linalg.norm(vertices[ends[:, 0]] - vertices[ends[:, 1]], axis=1)
-    lengths = np.maximum(lengths, np.finfo(float).tiny)  # a length of zero would be no edge
-    return sp.csr_matrix((lengths, (ends[:, 0], ends[:, 1])), shape=(len(vertices),) * 2)
 
 
 def diameter(mesh: Mesh, method: str = "exact") -> float:

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import scipy.sparse as sp
-import scipy.sparse.linalg as spla
 
-from .laplacian import IntrinsicMesh, corner_angles, cotangent_laplacian, vertex_areas
+from ..mesh.measure import cross_products, vertex_sums
+from .laplacian import IntrinsicMesh, corner_angles, cotangent_laplacian, factorized, unit_masses, vertex_areas
 
 STEPS = 5
 
@@ -40,11 +40,7 @@ def mean_curvature(mesh: IntrinsicMesh, vertices: np.ndarray, faces: np.ndarray,
     radius
         Width of the smoothing per sqrt(area).
     """
-    first, second, third = (vertices[faces[:, corner]] for corner in range(3))
-    crossed = np.cross(second - first, third - first)
-    normals = np.stack(
-        [np.bincount(faces.ravel(), np.repeat(crossed[:, axis], 3), len(vertices)) for axis in range(3)], axis=1
-    )
+    normals = vertex_sums(faces, cross_products(vertices, faces), len(vertices))
     normals = normals / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), np.finfo(float).tiny)
     # The Laplacian of the position is the mean curvature normal, integrated over the vertex's cell.
     integrated = 0.5 * np.einsum("ij,ij->i", cotangent_laplacian(mesh) @ vertices, normals)
@@ -57,15 +53,9 @@ def smoothed_density(mesh: IntrinsicMesh, integrated: np.ndarray, radius: float)
 
     It spreads by small implicit steps of the heat equation to the given width, per sqrt(area); its integral stays.
     """
-    areas = vertex_areas(mesh)
-    masses = np.maximum(areas / areas.sum(), 1e-12 / len(areas))
+    masses = unit_masses(mesh)
     # The Laplacian has no units in two dimensions; masses of a unit surface make the step free of scale.
-    heat = spla.splu(
-        (sp.diags(masses) + radius**2 / STEPS * cotangent_laplacian(mesh)).tocsc(),
-        permc_spec="MMD_AT_PLUS_A",
-        diag_pivot_thresh=0.0,
-        options={"SymmetricMode": True},
-    )
+    heat = factorized(sp.diags(masses) + radius**2 / STEPS * cotangent_laplacian(mesh))
     density = heat.solve(integrated)
     for _ in range(STEPS - 1):
         density = heat.solve(masses * density)

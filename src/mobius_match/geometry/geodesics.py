@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
+import scipy.sparse as sp
 
 DistanceFunction = Callable[[int], np.ndarray]
 """Takes a vertex number and gives the distance (n,) from it to every vertex, in the units of the mesh."""
@@ -39,12 +40,15 @@ def geodesic_solver(vertices: np.ndarray, faces: np.ndarray, method: str = "heat
 
 
 def _dijkstra(vertices: np.ndarray, faces: np.ndarray) -> DistanceFunction:
-    import scipy.sparse as sp
     from scipy.sparse.csgraph import dijkstra
 
+    graph = edge_graph(vertices, faces)
+    return lambda source: dijkstra(graph, directed=False, indices=source)
+
+
+def edge_graph(vertices: np.ndarray, faces: np.ndarray) -> sp.csr_matrix:
+    """Edge lengths (n, n) in the units of the mesh, each edge once."""
     ends = np.unique(np.sort(faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1), axis=0)
     lengths = np.linalg.norm(vertices[ends[:, 0]] - vertices[ends[:, 1]], axis=1)
-    # An edge of no length would vanish from a sparse graph.
-    lengths = np.maximum(lengths, np.finfo(float).tiny)
-    graph = sp.csr_matrix((lengths, (ends[:, 0], ends[:, 1])), shape=(len(vertices),) * 2)
-    return lambda source: dijkstra(graph, directed=False, indices=source)
+    lengths = np.maximum(lengths, np.finfo(float).tiny)  # a length of zero would be no edge
+    return sp.csr_matrix((lengths, (ends[:, 0], ends[:, 1])), shape=(len(vertices),) * 2)

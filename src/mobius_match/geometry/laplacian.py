@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import scipy.sparse as sp
+import scipy.sparse.linalg as spla
 
 MOLLIFICATION = 1e-6
 """Least slack of the triangle inequality that faces are given, as a fraction of the mean edge length."""
@@ -105,3 +106,14 @@ def vertex_areas(mesh: IntrinsicMesh) -> np.ndarray:
     """A third of the area of the triangles around each vertex, (n,), in squared units of the mesh."""
     corner = np.repeat(face_areas(mesh.lengths) / 3, 3)
     return np.bincount(mesh.faces.ravel(), corner, mesh.n_vertices)
+
+
+def unit_masses(mesh: IntrinsicMesh) -> np.ndarray:
+    """The vertices' areas (n,) of a surface scaled to area 1, none of them zero."""
+    areas = vertex_areas(mesh)
+    return np.maximum(areas / areas.sum(), 1e-12 / len(areas))
+
+
+def factorized(matrix: sp.spmatrix) -> spla.SuperLU:
+    """Factors of a symmetric positive definite sparse matrix, to solve with many right-hand sides."""
+    return spla.splu(matrix.tocsc(), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})

@@ -6,7 +6,7 @@ import numpy as np
 import scipy.sparse as sp
 import scipy.sparse.linalg as spla
 
-from .laplacian import IntrinsicMesh, cotangent_laplacian, vertex_areas
+from .laplacian import IntrinsicMesh, cotangent_laplacian, factorized, unit_masses
 
 
 def eigenbasis(mesh: IntrinsicMesh, count: int) -> tuple[np.ndarray, np.ndarray]:
@@ -19,18 +19,12 @@ def eigenbasis(mesh: IntrinsicMesh, count: int) -> tuple[np.ndarray, np.ndarray]
     eigenfunctions
         (n, count) float64, orthonormal for areas that sum to 1.
     """
-    laplacian, areas = cotangent_laplacian(mesh), vertex_areas(mesh)
-    masses = np.maximum(areas / areas.sum(), 1e-12 / len(areas))
+    laplacian, masses = cotangent_laplacian(mesh), unit_masses(mesh)
     count = min(count, mesh.n_vertices - 2)
     # Shift-invert about a small negative number: the Laplacian itself is singular. The fixed start
     # vector makes the result the same from run to run.
     start = np.random.default_rng(0).standard_normal(mesh.n_vertices)
-    inverse = spla.splu(
-        (laplacian + 1e-2 * sp.diags(masses)).tocsc(),
-        permc_spec="MMD_AT_PLUS_A",
-        diag_pivot_thresh=0.0,
-        options={"SymmetricMode": True},
-    )
+    inverse = factorized(laplacian + 1e-2 * sp.diags(masses))
     operator = spla.LinearOperator(laplacian.shape, matvec=inverse.solve, dtype=np.float64)
     values, functions = spla.eigsh(
         laplacian, count, sp.diags(masses), sigma=-1e-2, which="LM", OPinv=operator, v0=start

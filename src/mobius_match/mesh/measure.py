@@ -32,6 +32,12 @@ def cross_products(vertices: Floats, faces: Ints) -> Floats:
     return np.cross(vertices[faces[:, 1]] - a, vertices[faces[:, 2]] - a)
 
 
+def vertex_sums(faces: Ints, vectors: Floats, n_vertices: int) -> Floats:
+    """Sum of the vectors (m, 3) of the faces around each vertex, (n, 3); of area vectors, a normal not yet scaled."""
+    corner = faces.ravel()
+    return np.stack([np.bincount(corner, np.repeat(v, 3), n_vertices) for v in vectors.T], axis=1)
+
+
 def twins(vertices: Floats) -> Ints:
     """For each vertex the lowest-numbered one with exactly the same coordinates."""
     order = np.lexsort(vertices.T)  # stable, so the lowest number leads each group
