@@ -1,0 +1,183 @@
+"""Make docs/partial.md: shapes of which a part is missing, matched with whole ones.
+
+    python benchmarks/partial.py DATA [-o docs/partial.md] [--cuts N]
+
+DATA is the folder that holds the evaluation sets tosca and faust, with their pairs and corres/. Takes a minute or two.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from changes import cases, cut, errors
+from scipy.sparse.csgraph import dijkstra
+from scipy.spatial import cKDTree
+
+import mobius_match as mm
+from mobius_match.correspondence import write_atomically
+from mobius_match.evaluation import Case, Truth
+from mobius_match.evaluation.scoring import cached_diameter
+from mobius_match.geometry.geodesics import edge_graph
+
+NEAR = 0.05
+"""Per diameter of the whole shape: a match is right, or a place still belongs to the part."""
+
+FRONT, HIND, UP, DOWN = (0, -1, 0), (0, 1, 0), (0, 0, 1), (0, 0, -1)
+"""In the set tosca; the people of faust stand along the second axis."""
+
+CUTS = (
+    ("cat0-cat6", "front half", FRONT, 0.0),
+    ("cat0-cat6", "hind half", HIND, 0.0),
+    ("cat0-cat6", "without its tail", FRONT, -0.25),
+    ("dog0-dog1", "front half", FRONT, 0.0),
+    ("dog0-dog6", "hind half", HIND, 0.0),
+    ("wolf0-wolf1", "front half", FRONT, 0.0),
+    ("horse0-horse7", "front half", FRONT, 0.0),
+    ("horse0-horse7", "hind half", HIND, 0.0),
+    ("horse0-horse10", "without its head", HIND, -0.28),
+    ("centaur0-centaur2", "front half", FRONT, 0.0),
+    ("michael0-michael2", "upper half", UP, 0.0),
+    ("michael0-michael2", "lower half", DOWN, 0.0),
+    ("michael0-michael2", "without an arm", (1, 0, 0), -0.14),
+    ("tr_reg_000-tr_reg_001", "upper half", HIND, 0.0),
+    ("tr_reg_000-tr_reg_001", "lower half", FRONT, 0.0),
+    ("tr_reg_000-tr_reg_004", "without an arm", (1, 0, 0), -0.25),
+    ("tr_reg_010-tr_reg_012", "without the head", FRONT, -0.33),
+)
+"""Pair, what is left of its first shape, the side of the plane that is kept, and where the plane is (see `cut`)."""
+
+TASKS = ("part to another pose", "another pose to part", "part to the same shape")
+
+HEADING = """# Partial shapes
+
+Shapes cut by a plane, of which the largest piece on one side is kept, matched at default settings with whole shapes:
+in another pose, both ways round, and with the shape that it was cut from. A part consists of whole faces of the
+original, so its true points are known.
+
+Three figures a task: how many **matches** are reported; the share of them that is **right**, within 5 % of the
+diameter of the whole target (geodesic, heat method); and how many are on the **missing** part: their true place on the
+shape that was cut is farther than 5 % of its diameter from what was kept. There should be none of these.
+For matches to a part, the true place and the error are those on the shape that it was cut from.
+
+| shape | what is left | of the area | other pose | {tasks} |
+|---|---|---|---|{rules}|
+"""
+
+
+@dataclass(frozen=True, eq=False)
+class Part:
+    """A piece of a whole mesh, prepared, with the numbers that its vertices have there."""
+
+    surface: mm.Surface
+    kept: np.ndarray
+    whole: mm.Mesh
+
+    @property
+    def gaps(self) -> np.ndarray:
+        """Distance (n,) of the whole's vertices from what was kept, along edges, per diameter of the whole."""
+        graph = edge_graph(self.whole.vertices, self.whole.faces)
+        return dijkstra(graph, directed=False, indices=self.kept, min_only=True) / cached_diameter(self.whole, "heat")
+
+
+def measure(part: Part, other: mm.Surface, case: Case, reverse: bool) -> dict[str, float] | None:
+    """Match a part with a whole shape and measure, on the whole meshes; None where nothing is found.
+
+    The truth of the case leads from the whole of the part to the other shape.
+    """
+    try:
+        order = (other, part.surface) if reverse else (part.surface, other)
+        pairs = mm.match(*order).pairs
+    except mm.NothingFoundError:
+        return None
+    mine, theirs = pairs[:, ::-1].T if reverse else pairs.T
+    mine = part.kept[mine]
+    truth = case.truth
+    if reverse:
+        back = Case(case.name, case.category, case.target, case.source, Truth(truth.target, truth.source))
+        found = errors(back, other.mesh, part.whole, np.stack([theirs, mine], axis=1))
+    else:
+        found = errors(case, part.whole, other.mesh, np.stack([mine, theirs], axis=1))
+    points = cKDTree(other.mesh.vertices[truth.target]).query(other.mesh.vertices[theirs])[1]
+    return {
+        "matches": len(pairs),
+        "right": float((found["direct"] <= NEAR).mean()),
+        "missing": int((part.gaps[truth.source[points]] > NEAR).sum()),
+    }
+
+
+def run_cut(case: Case, normal: tuple[float, float, float], offset: float, prepared: dict[Path, mm.Surface]) -> Any:
+    """The share of the area that is left, and the figures of each task."""
+    for path in (case.source, case.target):
+        if path not in prepared:
+            prepared[path] = mm.prepare(path)
+            if prepared[path].mesh.notes:  # numbers of the file and of the mesh may differ
+                raise mm.FormatError(f"{path}: needs repair, and is no shape that these cuts were made for")
+    whole, other = prepared[case.source], prepared[case.target]
+    vertices, faces, kept = cut(whole.mesh.vertices, whole.mesh.faces, normal, offset)
+    part = Part(mm.prepare((vertices, faces)), kept, whole.mesh)
+    same = np.arange(len(whole.mesh.vertices))
+    itself = Case(case.name, case.category, case.source, case.source, Truth(same, same))
+    return part.surface.area / whole.area, [
+        measure(part, other, case, reverse=False),
+        measure(part, other, case, reverse=True),
+        measure(part, whole, itself, reverse=False),
+    ]
+
+
+def cells(found: dict[str, float] | None) -> str:
+    if found is None:
+        return "no match | |"
+    return f"{found['matches']:.0f} | {found['right']:.0%} | {found['missing']:.0f} |"
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("data", type=Path)
+    parser.add_argument("-o", "--output", type=Path, default=Path("docs/partial.md"))
+    parser.add_argument("--cuts", type=int, default=len(CUTS), help="only the first N cuts")
+    options = parser.parse_args()
+    if options.cuts < 1:
+        parser.error("--cuts: give 1 or more")
+    if not options.output.parent.is_dir():
+        parser.error(f"--output: there is no folder {options.output.parent}")
+    known = {case.name: case for case in cases(options.data)}
+    chosen = CUTS[: options.cuts]
+    lacking = {name for name, *_ in chosen} - set(known)
+    if lacking:
+        sys.exit(f"{options.data}: has no pair {', '.join(sorted(lacking))}; the sets tosca and faust are needed")
+    prepared: dict[Path, mm.Surface] = {}
+    columns = " | ".join(f"{task}: matches | right | missing" for task in TASKS)
+    text, everything = HEADING.format(tasks=columns, rules="---|" * 8 + "---"), []
+    print(text, end="")
+    for name, what, normal, offset in chosen:
+        left, found = run_cut(known[name], normal, offset, prepared)
+        everything.append(found)
+        shape, pose = known[name].source.stem, known[name].target.stem
+        line = f"| {shape} | {what} | {left:.0%} | {pose} | {' '.join(map(cells, found))}\n"
+        text += line
+        print(line, end="", flush=True)
+    total = []
+    for column in zip(*everything, strict=True):
+        done = [found for found in column if found is not None]
+        total.append({key: float(np.mean([one[key] for one in done])) for key in done[0]} if done else None)
+        if done:
+            total[-1]["missing"] = sum(one["missing"] for one in done)
+    line = f"| **all** | | | | {' '.join(map(cells, total))}\n"
+    text += line + "\nIn the last line matches and right are means, missing is the sum. Made by one command:\n\n"
+    text += (
+        "    python benchmarks/partial.py DATA" + (f" --cuts {len(chosen)}" if len(chosen) < len(CUTS) else "") + "\n"
+    )
+    print(line)
+    write_atomically(options.output, text.encode())
+
+
+if __name__ == "__main__":
+    try:
+        main()
+    except mm.MobiusError as problem:
+        sys.exit(str(problem))
