@@ -175,10 +175,10 @@ def test_flips(arrays, share):
 
 
 def test_flips_that_would_spoil_the_mesh_are_left_out():
-    """On a tetrahedron every other diagonal is an edge already; on an arrow head the other one lies outside."""
-    points = np.array([(0.0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)])
+    """On a flat tetrahedron the other diagonal is an edge already; on an arrow head it lies outside."""
+    pillow = np.array([(1.0, 0, 0.1), (-1, 0, 0.1), (0, 1, 0), (0, -1, 0)])
     tetrahedron = np.array([(0, 2, 1), (0, 1, 3), (1, 2, 3), (0, 3, 2)])
-    assert np.array_equal(flipped(points, tetrahedron, np.random.default_rng(0), 1.0).faces, tetrahedron)
+    assert np.array_equal(flipped(pillow, tetrahedron, np.random.default_rng(0), 1.0).faces, tetrahedron)
     arrow = np.array([(0.0, 0, 0), (0, 1, 0), (2, -1, 0), (-2, -1, 0)])
     two = np.array([(0, 2, 1), (0, 1, 3)])
     assert np.array_equal(flipped(arrow, two, np.random.default_rng(0), 1.0).faces, two)
