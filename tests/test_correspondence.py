@@ -28,7 +28,14 @@ def test_file_is_the_contracts(result, tmp_path):
     rows = content["correspondences"]
     assert len(rows) == len(result)
     assert [row["confidence"] for row in rows] == sorted((row["confidence"] for row in rows), reverse=True)
-    assert set(rows[0]) == {"source", "target", "confidence", "kind"}
+    assert set(rows[0]) == {"source", "target", "confidence", "kind", "target_point"}
+    faces = lump(2)[1]
+    for row in rows:
+        point = row["target_point"]
+        assert point["vertices"] == faces[point["face"]].tolist()
+        assert row["target"] == point["vertices"][int(np.argmax(point["barycentric"]))]
+        assert min(point["barycentric"]) >= 0
+        assert sum(point["barycentric"]) == pytest.approx(1)
     assert {row["kind"] for row in rows} <= {"voted", "recovered"}
     assert content["settings"]["samples"] == 30
     assert content["timings"]["total"] > 0
@@ -56,7 +63,15 @@ def test_load_returns_what_was_saved_to_the_last_bit(result, tmp_path):
     np.testing.assert_array_equal(loaded.pairs, result.pairs)
     np.testing.assert_array_equal(loaded.confidence, result.confidence)
     np.testing.assert_array_equal(loaded.kind, result.kind)
+    np.testing.assert_array_equal(loaded.target_points.barycentric, result.target_points.barycentric)
     assert loaded.to_dict() == json.loads(result.to_json())
+
+
+def test_matches_that_are_samples_have_no_target_point(tmp_path):
+    result = mm.match(lump(2), lump(2), preset="paper", votes=20_000, samples=20)
+    assert "target_point" not in result.to_dict()["correspondences"][0]
+    result.save(tmp_path / "result.json")
+    assert mm.Correspondence.load(tmp_path / "result.json").target_points is None
 
 
 def test_failed_save_leaves_the_old_file_and_nothing_else(result, tmp_path, monkeypatch):

@@ -7,8 +7,6 @@ import mobius_match as mm
 from mobius_match import examples
 from mobius_match.hypotheses import (
     WEIGHTS,
-    Explanation,
-    agreement,
     compare,
     explanations,
     finer_targets,
@@ -59,25 +57,16 @@ def test_wrong_maps_have_evidence_of_every_kind_against_them(surface):
     assert evidence["gauss curvature"] > 0.8
 
 
-def test_agreement_is_one_where_the_explanation_sends_a_sample(surface):
-    identity = Explanation(surface.proxy, {}, 0.0, 1.0)
-    found = agreement(surface, surface, identity, 0.1)
-    assert found.shape == (100, 100)
-    np.testing.assert_array_equal(found.argmax(axis=1), np.arange(100))
-    assert (np.diag(found) > 0.5).all()
-    expected = np.exp(-((surface.normalized_distances / 0.1) ** 2))
-    assert np.abs(found - expected).mean() < 0.01
-
-
 def test_targets_get_finer_than_samples():
-    """Any vertex finds its copy, whether it was a sample or not."""
+    """Any vertex finds its copy or one beside it, whether it was a sample or not."""
     shape = lump(4)
     copy, new = renumbered(shape)
     first, second = mm.prepare(shape), mm.prepare(copy)
     found = explanations(first, second, cast_votes(first, second, MatchSettings()))
     vertices = np.arange(0, len(shape[0]), 5)
     error = np.linalg.norm(copy[0][finer_targets(first, second, found[0], vertices)] - shape[0][vertices], axis=1)
-    assert np.mean(error == 0) > 0.95
+    edge = np.linalg.norm(shape[0][shape[1][:, 0]] - shape[0][shape[1][:, 1]], axis=1).mean()
+    assert error.mean() < 0.5 * edge
     np.testing.assert_array_equal(np.sort(new), np.arange(len(new)))
 
 

@@ -24,7 +24,7 @@ def test_copy_rotated_scaled_and_renumbered_is_the_identity(seed):
     result = mm.match(shape, copy, seed=seed)
     assert len(result) >= 90
     np.testing.assert_array_equal(new[result.pairs[:, 0]], result.pairs[:, 1])
-    assert result.confidence[0] == 1.0
+    assert result.confidence.min() > 0.9
     assert (np.diff(result.confidence) <= 0).all()
 
 

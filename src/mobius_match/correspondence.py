@@ -5,13 +5,16 @@ from __future__ import annotations
 import json
 import os
 import tempfile
+from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from .errors import FormatError
+from .geometry.points import SurfacePoints
 
 if TYPE_CHECKING:
     from .surface import Surface
@@ -20,6 +23,9 @@ if TYPE_CHECKING:
 FORMAT = "mobius-match/correspondence"
 VERSION = 1
 
+POINT_FIELDS = ("face", "vertices", "barycentric")
+"""What a target point is given by in the file, in the order of :class:`SurfacePoints`."""
+
 
 @dataclass(frozen=True, eq=False)
 class Alternative:
@@ -27,7 +33,7 @@ class Alternative:
 
     Parameters
     ----------
-    pairs, confidence, kind
+    pairs, confidence, kind, target_points
         As in :class:`Correspondence`.
     margin
         By how much it lost against the chosen explanation, without units; small is close.
@@ -40,6 +46,7 @@ class Alternative:
     kind: np.ndarray
     margin: float
     share: float
+    target_points: SurfacePoints | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,9 +58,14 @@ class Correspondence:
     pairs
         (Q, 2) int64: vertex of the source and vertex of the target, numbers from 0 of the user's own meshes.
     confidence
-        (Q,) float64 in [0, 1], not increasing.
+        (Q,) float64 in [0, 1], not increasing: the chance that the match lies within 5 % of the target's diameter of
+        its true place; with uniform proposals the paper's share of the votes.
     kind
-        (Q,) str: ``"voted"``, or ``"recovered"`` for a pair of low confidence that the others bear out (section 8).
+        (Q,) str: ``"voted"``, or ``"recovered"`` for a pair that its own votes do not give, or hardly, and the others
+        bear out (section 8).
+    target_points
+        Where exactly the Q matches lie: faces and corners in the user's own numbers, and barycentric coordinates.
+        ``pairs`` names the corner that weighs most. None where matches are samples of the target (uniform proposals).
     source_info, target_info
         Path, SHA-256, numbers of vertices and faces, area and geodesic diameter of the two meshes.
     settings, timings, software
@@ -67,8 +79,8 @@ class Correspondence:
         The prepared surfaces; None for a result that was loaded from a file.
     votes
         The fuzzy correspondence matrix; None for a result that was loaded from a file.
-    alternatives
-        The matches under other explanations, the closest loser first; not kept in the file.
+    others
+        Makes the :attr:`alternatives`; None for a result that was loaded from a file.
     """
 
     pairs: np.ndarray
@@ -77,6 +89,7 @@ class Correspondence:
     source_info: dict[str, Any]
     target_info: dict[str, Any]
     settings: dict[str, Any]
+    target_points: SurfacePoints | None = None
     timings: dict[str, float] = field(default_factory=dict)
     software: dict[str, str] = field(default_factory=dict)
     diagnostics: dict[str, float] = field(default_factory=dict)
@@ -84,7 +97,7 @@ class Correspondence:
     source: Surface | None = None
     target: Surface | None = None
     votes: Votes | None = None
-    alternatives: tuple[Alternative, ...] = ()
+    others: Callable[[], tuple[Alternative, ...]] | None = None
 
     def __len__(self) -> int:
         return len(self.pairs)
@@ -92,6 +105,11 @@ class Correspondence:
     def __repr__(self) -> str:
         names = [Path(info["path"] or "array").name for info in (self.source_info, self.target_info)]
         return f"<Correspondence {names[0]} -> {names[1]}: {len(self)} pairs>"
+
+    @cached_property
+    def alternatives(self) -> tuple[Alternative, ...]:
+        """The matches under other explanations, the closest loser first; worked out when first asked for."""
+        return () if self.others is None else self.others()
 
     def to_dict(self, *, alternatives: bool = False) -> dict[str, Any]:
         """The result as JSON-able values, in the layout of the result file; with the alternatives if asked for."""
@@ -147,6 +165,7 @@ class Correspondence:
                 pairs=np.array([(row["source"], row["target"]) for row in rows], np.int64).reshape(-1, 2),
                 confidence=np.array([row["confidence"] for row in rows], np.float64),
                 kind=np.array([row["kind"] for row in rows], dtype="<U9"),
+                target_points=_points(rows),
                 source_info=dict(content["source"]),
                 target_info=dict(content["target"]),
                 settings=dict(content["settings"]),
@@ -160,10 +179,29 @@ class Correspondence:
 
 
 def _rows(matches: Correspondence | Alternative) -> list[dict[str, Any]]:
-    return [
-        {"source": int(i), "target": int(j), "confidence": float(c), "kind": str(kind)}
-        for (i, j), c, kind in zip(matches.pairs, matches.confidence, matches.kind, strict=True)
+    rows: list[dict[str, Any]] = [
+        {"source": i, "target": j, "confidence": confidence, "kind": kind}
+        for (i, j), confidence, kind in zip(
+            matches.pairs.tolist(), matches.confidence.tolist(), matches.kind.tolist(), strict=True
+        )
     ]
+    points = matches.target_points
+    if points is not None:
+        values = zip(points.faces.tolist(), points.corners.tolist(), points.barycentric.tolist(), strict=True)
+        for row, value in zip(rows, values, strict=True):
+            row["target_point"] = dict(zip(POINT_FIELDS, value, strict=True))
+    return rows
+
+
+def _points(rows: list[dict[str, Any]]) -> SurfacePoints | None:
+    if not rows or "target_point" not in rows[0]:
+        return None
+    faces, corners, barycentric = ([row["target_point"][name] for row in rows] for name in POINT_FIELDS)
+    return SurfacePoints(
+        np.array(faces, np.int64).reshape(len(rows)),
+        np.array(corners, np.int64).reshape(len(rows), 3),
+        np.array(barycentric, np.float64).reshape(len(rows), 3),
+    )
 
 
 def write_atomically(path: Path, content: bytes) -> None:

@@ -2,8 +2,9 @@
 
 Beyond the paper. On shapes that are nearly symmetric, or far from isometric, a wrong explanation (front taken for
 back, head for feet) can gain more votes than the right one. The best triplets are grouped by where they send the
-surface; each group's matches are extended to a map of the whole surface by spectral upsampling (Melzi et al. 2019), and
-the maps are compared by what the votes do not see: distances over all pairs, the Laplacian, curvature.
+surface; each group's matches are extended to a map of the whole surface by spectral upsampling (Melzi et al. 2019) that
+leaves no part of the target over, and the maps are compared by what the votes do not see: distances over all pairs,
+the Laplacian, curvature.
 """
 
 from __future__ import annotations
@@ -12,7 +13,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .geometry.spectral import functional_map, nearest_rows
+from .geometry.spectral import functional_map
+from .geometry.transport import Transport
 from .matrix_processing import max_row_column
 from .mobius import homogeneous
 from .surface import Surface
@@ -38,7 +40,7 @@ UPSAMPLING = (20, 30, 40, 50)
 COMPARED = 20
 """Number of eigenfunctions on which maps are compared with the Laplacian."""
 
-WEIGHTS = {"distances": 5.0, "laplacian": 1.0, "mean curvature": 2.0, "gauss curvature": 2.0, "votes": 1.5}
+WEIGHTS = {"distances": 1.0, "laplacian": 1.0, "mean curvature": 2.0, "gauss curvature": 3.0, "votes": 1.0}
 """What each kind of evidence counts."""
 
 
@@ -126,16 +128,18 @@ def _matches(pairs: np.ndarray, totals: np.ndarray, n2: int) -> np.ndarray:
 
 def spread_to_surface(source: Surface, target: Surface, matches: np.ndarray) -> np.ndarray:
     """A map of the whole proxy from matches of samples (q, 2): numbers (P1,) in the target's proxy."""
-    features = [
-        np.exp(-surface.proxy_distances[matches[:, side]].T / (FEATURE_SCALE * np.sqrt(surface.area)))
-        for side, surface in enumerate((source, target))
-    ]
-    image = nearest_rows(*features)
+    plan = Transport(
+        *(
+            np.exp(-surface.proxy_distances[matches[:, side]].T / (FEATURE_SCALE * np.sqrt(surface.area)))
+            for side, surface in enumerate((source, target))
+        )
+    ).plan
     first, second = (surface.eigenfunctions[surface.proxy] for surface in (source, target))
     for count in UPSAMPLING:
-        transfer = functional_map(first[:, :count], second[image][:, :count])
-        image = nearest_rows(first[:, :count] @ transfer, second[:, :count])
-    return image
+        # Each point is sent to the mean of the places that its mass goes to.
+        transfer = functional_map(first[:, :count], plan @ second[:, :count])
+        plan = Transport(first[:, :count] @ transfer, second[:, :count]).plan
+    return plan.argmax(axis=1)
 
 
 def compare(source: Surface, target: Surface, image: np.ndarray) -> dict[str, float]:
@@ -168,17 +172,8 @@ def _rank_correlation(first: np.ndarray, second: np.ndarray) -> float:
     return float(np.corrcoef(ranks1, ranks2)[0, 1])
 
 
-def agreement(source: Surface, target: Surface, explanation: Explanation, radius: float) -> np.ndarray:
-    """How near each target sample is to where an explanation sends each source sample, (N1, N2) in [0, 1].
-
-    A Gaussian of the geodesic distance, whose width is ``radius`` per sqrt(area).
-    """
-    place = explanation.image[source.proxy_distances.argmin(axis=1)]
-    column = np.searchsorted(target.proxy, place)
-    return np.exp(-((target.proxy_distances[:, column].T / (radius * np.sqrt(target.area))) ** 2))
-
-
 def finer_targets(source: Surface, target: Surface, explanation: Explanation, vertices: np.ndarray) -> np.ndarray:
     """Where an explanation sends vertices of the source, no longer bound to samples: target vertices (q,) int64."""
     transfer = functional_map(source.eigenfunctions[source.proxy], target.eigenfunctions[explanation.image])
-    return nearest_rows(source.eigenfunctions[vertices] @ transfer, target.eigenfunctions)
+    first, second = source.eigenfunctions @ transfer, target.eigenfunctions
+    return Transport(first[source.proxy], second[target.proxy]).images(first[vertices], second)

@@ -4,25 +4,29 @@ from __future__ import annotations
 
 import platform
 import time
+from functools import partial
 from importlib.metadata import version
 from typing import Any
 
 import numpy as np
 from threadpoolctl import threadpool_limits
 
+from .confidence import chances, distances_of_places
 from .correspondence import Alternative, Correspondence
 from .errors import NothingFoundError
-from .hypotheses import Explanation, agreement, explanations, finer_targets
+from .geometry.points import SurfacePoints, closest_points
+from .hypotheses import Explanation, explanations, finer_targets
 from .matrix_processing import linear_assignment, max_row_column, normalized, recover
+from .registration import register
 from .settings import MatchSettings, make_settings
 from .surface import Progress, Surface, matchable, prepare_mesh
 from .voting import Votes, cast_votes
 
-DEFAULT_THRESHOLD = 0.1
-"""Confidence S below which a pair needs the others to bear it out."""
+VOTES_THRESHOLD = 0.1
+"""Confidence S, as a share of the votes, below which a pair needs the others to bear it out (section 8)."""
 
-AGREEMENT_RADIUS = 0.1
-"""Distance per sqrt(area) from where the chosen explanation sends a sample, at which a vote counts 1 / e."""
+CHANCE_THRESHOLD = 0.5
+"""Confidence, as a chance of being right, below which a match under an explanation is left out."""
 
 CLOSE = 0.15
 """Difference of two explanations' badness below which the choice between them is called close."""
@@ -94,14 +98,11 @@ def match(
         found = explanations(first, second, votes)
         timings["explanations"] = time.perf_counter() - begin
         begin = time.perf_counter()
-        matches = [_pairs(first, second, votes, explanation, chosen) for explanation in found or (None,)]
-    timings["matrix processing"] = time.perf_counter() - begin
-    pairs, confidence, kind = matches[0]
+        matches = _explained(first, second, votes, found[0], chosen) if found else _voted(first, second, votes, chosen)
+    timings["matches"] = time.perf_counter() - begin
     timings["total"] = time.perf_counter() - start
     return Correspondence(
-        pairs=pairs,
-        confidence=confidence,
-        kind=kind,
+        **matches,
         source_info=_describe(first),
         target_info=_describe(second),
         settings={**chosen.to_dict(), "preset": preset, "votes": votes.n_triplets},
@@ -115,40 +116,79 @@ def match(
             "voting triplets": votes.n_voting,
         },
         warnings=(*_notes(first), *_notes(second), *votes.warnings, *_doubts(found)),
-        alternatives=tuple(
-            Alternative(*lists, explanation.badness - found[0].badness, explanation.share)
-            for explanation, lists in zip(found[1:], matches[1:], strict=True)
-        ),
+        others=partial(_alternatives, first, second, votes, found, chosen),
         source=first,
         target=second,
         votes=votes,
     )
 
 
-def _pairs(
-    source: Surface, target: Surface, votes: Votes, explanation: Explanation | None, settings: MatchSettings
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Section 8 under one explanation: pairs in the user's numbers (Q, 2), confidence (Q,) and kind (Q,).
-
-    Votes count by how well they agree with the explanation, and each match moves from the target's sample to the
-    vertex that the explanation sends its source to. Without explanation it is section 8 alone.
-    """
-    matrix = votes.matrix
-    if explanation is not None:
-        matrix = matrix * agreement(source, target, explanation, AGREEMENT_RADIUS)
-    pairs, confidence, recovered = process(matrix, source, target, settings)
+def _voted(source: Surface, target: Surface, votes: Votes, settings: MatchSettings) -> dict[str, Any]:
+    """Section 8 to the letter: pairs of samples, confidence as a share of the votes."""
+    pairs, confidence, recovered = process(votes.matrix, source, target, settings)
     here, there = source.samples[pairs[:, 0]], target.samples[pairs[:, 1]]
-    if explanation is not None:
-        # Maxima of curvature (tips of ears and toes) mark the same points on both surfaces already; the map of few
-        # eigenfunctions would blur them.
-        features = (pairs[:, 0] < source.n_maxima) & (pairs[:, 1] < target.n_maxima)
-        there = np.where(features, there, finer_targets(source, target, explanation, here))
-        # Two neighbours may end at one vertex; the more confident one keeps it.
-        _, first = np.unique(there, return_index=True)
-        first.sort()
-        here, there, confidence, recovered = here[first], there[first], confidence[first], recovered[first]
-    users = np.stack([source.mesh.vertex_ids[here], target.mesh.vertex_ids[there]], axis=1)
-    return users, confidence, np.where(recovered, "recovered", "voted")
+    return {
+        "pairs": np.stack([source.mesh.vertex_ids[here], target.mesh.vertex_ids[there]], axis=1),
+        "confidence": confidence,
+        "kind": np.where(recovered, "recovered", "voted"),
+    }
+
+
+def _explained(
+    source: Surface, target: Surface, votes: Votes, explanation: Explanation, settings: MatchSettings
+) -> dict[str, Any]:
+    """The places of the source's samples under one explanation, confidence as the chance that they are right.
+
+    A sample that section 8 pairs with a sample near its place is voted; another place is recovered from all others.
+    """
+    registration = register(source, target, finer_targets(source, target, explanation, source.proxy))
+    distances = distances_of_places(source, target, registration)
+    chance = chances(source, target, registration, votes.matrix, distances)
+    samples = np.searchsorted(source.proxy, source.samples)
+    scale = np.sqrt(target.area)
+    points = closest_points(
+        target.mesh.vertices / scale,
+        target.mesh.faces,
+        registration.positions[samples] / scale,
+        registration.image[samples],
+    )
+    voted = np.zeros(len(samples), bool)
+    pairs, _ = _assign(votes.matrix, settings)
+    radius = settings.recovery_radius or MatchSettings.recovery_radius
+    voted[pairs[:, 0]] = distances[pairs[:, 0], pairs[:, 1]] <= radius * target.diameter
+    threshold = CHANCE_THRESHOLD if settings.threshold is None else settings.threshold
+    kept = np.flatnonzero((chance >= threshold) & (voted | (settings.recovery_radius > 0)))
+    kept = kept[np.argsort(-chance[kept], kind="stable")]
+    # Two neighbours may end at one vertex; the more confident one keeps it.
+    _, first = np.unique(points.nearest[kept], return_index=True)
+    kept = kept[np.sort(first)]
+    if not len(kept):
+        raise NothingFoundError(
+            f"{source.mesh.name} and {target.mesh.name}: no match is likely enough to be right; lower --threshold, or "
+            "the shapes have too little in common"
+        )
+    here, there, mesh = source.samples[kept], points[kept], target.mesh
+    return {
+        "pairs": np.stack([source.mesh.vertex_ids[here], mesh.vertex_ids[there.nearest]], axis=1),
+        "confidence": chance[kept],
+        "kind": np.where(voted, "voted", "recovered")[kept],
+        "target_points": SurfacePoints(mesh.face_ids[there.faces], mesh.vertex_ids[there.corners], there.barycentric),
+    }
+
+
+def _alternatives(
+    source: Surface, target: Surface, votes: Votes, found: list[Explanation], settings: MatchSettings
+) -> tuple[Alternative, ...]:
+    """The matches under the explanations that lost."""
+    with threadpool_limits(limits=1, user_api="blas"):
+        return tuple(
+            Alternative(
+                **_explained(source, target, votes, one, settings),
+                margin=one.badness - found[0].badness,
+                share=one.share,
+            )
+            for one in found[1:]
+        )
 
 
 def process(
@@ -161,14 +201,13 @@ def process(
     NothingFoundError
         If C has no entry above zero.
     """
-    choose = max_row_column if settings.assignment == "greedy" else linear_assignment
-    pairs, confidence = choose(normalized(matrix))
+    pairs, confidence = _assign(matrix, settings)
     if not len(pairs):
         raise NothingFoundError(
             f"{source.mesh.name} and {target.mesh.name}: none of {settings.number_of_votes()} triplets of points "
             "gained a vote; lower --min-fraction or raise --votes, or the shapes have too little in common"
         )
-    threshold = DEFAULT_THRESHOLD if settings.threshold is None else settings.threshold
+    threshold = VOTES_THRESHOLD if settings.threshold is None else settings.threshold
     trusted = confidence >= threshold
     delta = settings.recovery_radius
     recovered = recover(
@@ -176,6 +215,11 @@ def process(
     )
     keep = trusted | recovered
     return pairs[keep], confidence[keep], recovered[keep]
+
+
+def _assign(matrix: np.ndarray, settings: MatchSettings) -> tuple[np.ndarray, np.ndarray]:
+    choose = max_row_column if settings.assignment == "greedy" else linear_assignment
+    return choose(normalized(matrix))
 
 
 def _doubts(found: list[Explanation]) -> list[str]:

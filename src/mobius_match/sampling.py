@@ -85,6 +85,26 @@ def sample_points(mesh: IntrinsicMesh, distances_from: DistanceFunction, count: 
     return Samples(np.array(chosen, np.int64), n_maxima, np.array(rows))
 
 
+def proxy_points(areas: np.ndarray, count: int, samples: np.ndarray) -> np.ndarray:
+    """At most ``count`` vertices (p,) int64, ascending: the samples, and others drawn as likely as their areas.
+
+    Parameters
+    ----------
+    areas
+        (n,) area of each vertex.
+    count
+        How many are wanted; all samples are among them in any case.
+    samples
+        (N,) vertex numbers.
+    """
+    others = np.setdiff1d(np.arange(len(areas)), samples)
+    wanted = max(count - len(samples), 0)
+    if len(others) > wanted:
+        chances = areas[others] / areas[others].sum()
+        others = np.random.default_rng(0).choice(others, wanted, replace=False, p=chances)
+    return np.sort(np.concatenate([samples, others])).astype(np.int64)
+
+
 def _ring_maxima(mesh: IntrinsicMesh, values: np.ndarray) -> np.ndarray:
     """Vertices whose positive value none of their neighbours exceeds, largest first."""
     start, end = mesh.faces.ravel(), np.roll(mesh.faces, -1, axis=1).ravel()

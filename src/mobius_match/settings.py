@@ -76,9 +76,10 @@ class MatchSettings(PrepareSettings):
     assignment
         ``"greedy"`` (max-row-column) or ``"linear"`` (global linear assignment), section 8.
     threshold
-        Confidence S above which pairs are taken as they are; None lets the program choose.
+        With guided proposals the least chance of being right of a match, None: 0.5. With uniform ones the paper's
+        confidence S above which pairs are taken as they are, None: 0.1.
     recovery_radius
-        Section 8's delta as a fraction of the diameter; 0 switches the recovery of weak pairs off.
+        Section 8's delta as a fraction of the diameter; 0 leaves recovered pairs out.
     seed
         Seed of all randomness, 0 or larger.
     jobs

@@ -19,11 +19,11 @@ from .correspondence import write_atomically
 from .errors import FormatError, MeshError
 from .flattening import choose_cut_face, flatten, vertex_positions
 from .geometry.curvature import gauss_curvature, mean_curvature
-from .geometry.geodesics import geodesic_solver
+from .geometry.geodesics import geodesic_solver, nearest_centres
 from .geometry.laplacian import intrinsic_mesh, vertex_areas
 from .geometry.spectral import eigenbasis, wave_kernel_signature
 from .mesh import Mesh, as_mesh, repair, require_matchable
-from .sampling import sample_points
+from .sampling import proxy_points, sample_points
 from .settings import PrepareSettings
 
 Progress = Callable[[str, int, int], None]
@@ -65,7 +65,10 @@ class Surface:
     eigenvalues, eigenfunctions
         (k,) float64 and (n, k) float32: of the Laplacian, for a surface of area 1.
     proxy
-        (P,) int64 vertices that stand for the whole surface where detail is not needed, drawn evenly by area.
+        (P,) int64 vertices that stand for the whole surface where detail is not needed, ascending: the samples, and
+        others drawn evenly by area.
+    proxy_edges
+        (E, 2) int64 places in ``proxy`` of vertices whose cells touch.
     proxy_distances
         (N, P) float32 geodesic distances from the samples to the proxy's vertices, in the units of the mesh.
     proxy_curvatures
@@ -93,6 +96,7 @@ class Surface:
     eigenvalues: np.ndarray
     eigenfunctions: np.ndarray
     proxy: np.ndarray
+    proxy_edges: np.ndarray
     proxy_distances: np.ndarray
     proxy_curvatures: np.ndarray
     cut_vertex: int
@@ -250,7 +254,9 @@ def _prepare(mesh: Mesh, settings: PrepareSettings, progress: Progress) -> Surfa
             mean_curvature(triangulation, vertices, mesh.faces, MEAN_RADIUS),
         ]
     )
-    proxy = _spread(areas, PROXY_SIZE)
+    proxy = proxy_points(areas, PROXY_SIZE, samples.vertices)
+    nearest = nearest_centres(vertices, mesh.faces, proxy)
+    touching = np.sort(nearest[mesh.faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)], axis=1)
     clock.lap("descriptors")
     progress(f"prepared {mesh.name}", 3, 3)
     return Surface(
@@ -265,6 +271,7 @@ def _prepare(mesh: Mesh, settings: PrepareSettings, progress: Progress) -> Surfa
         eigenvalues=eigenvalues,
         eigenfunctions=eigenfunctions.astype(np.float32),
         proxy=proxy,
+        proxy_edges=np.unique(touching[touching[:, 0] < touching[:, 1]], axis=0),
         proxy_distances=(samples.distances[:, proxy] * scale).astype(np.float32),
         proxy_curvatures=curvatures[:, proxy].astype(np.float32),
         cut_vertex=int(np.argmin(average)),
@@ -274,14 +281,6 @@ def _prepare(mesh: Mesh, settings: PrepareSettings, progress: Progress) -> Surfa
         timings=clock.laps,
         warnings=tuple(warnings),
     )
-
-
-def _spread(areas: np.ndarray, count: int) -> np.ndarray:
-    """Numbers of at most ``count`` vertices (p,) int64, ascending, each drawn as likely as its area is large."""
-    if len(areas) <= count:
-        return np.arange(len(areas))
-    drawn = np.random.default_rng(0).choice(len(areas), count, replace=False, p=areas / areas.sum())
-    return np.sort(drawn).astype(np.int64)
 
 
 class _Clock:

@@ -78,7 +78,8 @@ def match(
         float | None,
         Option(
             metavar="S",
-            help="Confidence (0 to 1) from which a match needs no support by others.  [default: 0.1]",
+            help="Least confidence (0 to 1): with guided proposals matches below are left out, with uniform ones "
+            "they need the support of others.  [default: 0.5, and 0.1]",
         ),
     ] = None,
     seed: Annotated[

@@ -52,3 +52,14 @@ def edge_graph(vertices: np.ndarray, faces: np.ndarray) -> sp.csr_matrix:
     lengths = np.linalg.norm(vertices[ends[:, 0]] - vertices[ends[:, 1]], axis=1)
     lengths = np.maximum(lengths, np.finfo(float).tiny)  # a length of zero would be no edge
     return sp.csr_matrix((lengths, (ends[:, 0], ends[:, 1])), shape=(len(vertices),) * 2)
+
+
+def nearest_centres(vertices: np.ndarray, faces: np.ndarray, centres: np.ndarray) -> np.ndarray:
+    """For each vertex the place (n,) int64 in ``centres`` (c,) of the one that is nearest along edges."""
+    from scipy.sparse.csgraph import dijkstra
+
+    graph = edge_graph(vertices, faces)
+    _, _, nearest = dijkstra(graph, directed=False, indices=centres, min_only=True, return_predecessors=True)
+    place = np.full(len(vertices), -1, np.int64)
+    place[centres] = np.arange(len(centres))
+    return place[nearest]

@@ -1,0 +1,100 @@
+"""How far a match can be trusted: the chance that it lies within 5 % of the diameter of its true place.
+
+Beyond the paper, whose confidence is a share of the votes. Each sample of the source is asked how well its place on the
+target agrees with all that is known around it; five answers together give the chance.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import scipy.sparse as sp
+from scipy.spatial import cKDTree
+
+from .geometry.spectral import wave_kernel_signature
+from .registration import Registration
+from .surface import Surface
+
+NEAR = 0.15
+"""Distance per sqrt(area) over which a sample has a say in how well the distances around another agree."""
+
+VOTED = 0.1
+"""Distance per sqrt(area) from a match at which a vote supports it by 1 / e."""
+
+NEIGHBOURS = 4
+"""Vertices of the proxy that a distance is interpolated from."""
+
+FLOORS = {"distances": 0.01, "descriptor": 0.01, "misfit": 0.01, "turn": 0.01, "votes": 0.05}
+"""What each kind of evidence is at least, in the units it is measured in, so that its logarithm tells little near 0."""
+
+SLOPES = {"distances": -0.53, "descriptor": -0.90, "misfit": -1.95, "turn": -0.46, "votes": 0.44}
+OFFSET = -9.67
+"""Logistic regression of being right on the logarithms of the evidence, over animals and people in many poses."""
+
+
+def chances(
+    source: Surface, target: Surface, registration: Registration, votes: np.ndarray, distances: np.ndarray
+) -> np.ndarray:
+    """The chance (N1,) float64 in [0, 1] that the place of each sample of the source is right.
+
+    Parameters
+    ----------
+    source, target, registration
+        The surfaces, and the source on the target.
+    votes
+        (N1, N2), the matrix C.
+    distances
+        (N1, N2), as :func:`distances_of_places` gives them.
+    """
+    found = evidence(source, target, registration, votes, distances)
+    score = OFFSET + sum(slope * np.log(found[kind] + FLOORS[kind]) for kind, slope in SLOPES.items())
+    return np.asarray(1 / (1 + np.exp(-score)))
+
+
+def evidence(
+    source: Surface, target: Surface, registration: Registration, votes: np.ndarray, distances: np.ndarray
+) -> dict[str, np.ndarray]:
+    """What speaks for the place of each sample ("votes") or against it, (N1,) each; see :func:`chances`."""
+    samples = np.searchsorted(source.proxy, source.samples)
+    places = registration.image[samples]
+    # Distances from the places to the target's samples, and from the source's samples to where those come from.
+    here, there = _distances_to_origins(source, target, registration), distances / np.sqrt(target.area)
+    weight = np.exp(-np.minimum(here, there) / NEAR)
+    signatures = wave_kernel_signature(target.eigenvalues, target.eigenfunctions[places])
+    around = _around(source)
+    supporting = votes * np.exp(-((there / VOTED) ** 2))
+    return {
+        "distances": (weight * np.abs(here - there)).sum(axis=1) / weight.sum(axis=1),
+        "descriptor": (np.abs(source.signatures - signatures) / (source.signatures + signatures)).mean(axis=1),
+        "misfit": (around @ registration.misfit)[samples],
+        "turn": (around @ registration.turn)[samples],
+        "votes": supporting.sum(axis=1) / np.maximum(votes.sum(axis=1), np.finfo(float).tiny),
+    }
+
+
+def distances_of_places(source: Surface, target: Surface, registration: Registration) -> np.ndarray:
+    """Geodesic distances (N1, N2) of the places of the source's samples from the target's samples, target's units."""
+    vertices = target.mesh.vertices
+    places = vertices[registration.image[np.searchsorted(source.proxy, source.samples)]]
+    return _interpolated(vertices[target.proxy], places, target.proxy_distances).T
+
+
+def _distances_to_origins(source: Surface, target: Surface, registration: Registration) -> np.ndarray:
+    """Distances (N1, N2) per sqrt(area) of the source's samples from where the target's samples come from."""
+    images = target.mesh.vertices[registration.image]
+    found = _interpolated(images, target.mesh.vertices[target.samples], source.proxy_distances)
+    return found / np.sqrt(source.area)
+
+
+def _interpolated(points: np.ndarray, queries: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """Values (N, p) that are known at points (p, 3), at queries (q, 3): (N, q), by distance in space."""
+    apart, near = cKDTree(points).query(queries, min(NEIGHBOURS, len(points)))
+    weights = 1 / (apart + 1e-3 * apart.mean() + np.finfo(float).tiny) ** 2
+    return np.einsum("nqk,qk->nq", values[:, near], weights / weights.sum(axis=1, keepdims=True))
+
+
+def _around(surface: Surface) -> sp.csr_matrix:
+    """Takes values at the proxy to their means over each vertex's neighbours."""
+    start, end = np.concatenate([surface.proxy_edges, surface.proxy_edges[:, ::-1]]).T
+    size = len(surface.proxy)
+    number = np.maximum(np.bincount(start, minlength=size), 1)
+    return sp.csr_matrix((1 / number[start], (start, end)), shape=(size, size))

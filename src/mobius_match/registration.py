@@ -1,0 +1,144 @@
+"""The source bent onto the target, as rigidly as possible, along the chosen explanation: matches finer than samples.
+
+Beyond the paper. A map of few eigenfunctions is right at large and blurred at small. So the source's proxy, joined to a
+graph, is moved to where its map says, while every neighbourhood only turns (as-rigid-as-possible energy, Sorkine and
+Alexa 2007), and then again and again to the nearest points of the target by place, normal and eigenfunctions together,
+each time with more trust in the places. Points of the target draw as well, so that no part of it is left over.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.sparse as sp
+
+from .geometry.laplacian import factorized
+from .geometry.spectral import functional_map, nearest_rows
+from .mesh.measure import cross_products, vertex_sums
+from .surface import Surface
+
+TRUST = (0.02, 0.1, 0.3, 1.0, 3.0)
+"""Weight of the places against rigidity, from one round to the next; the first is for the map alone."""
+
+ROUNDS = 3
+"""How often the nearest points are looked for at each weight."""
+
+SETTLING, STEPS = 6, 2
+"""Alternations of turning and moving at first, and after each search."""
+
+NORMAL, SPECTRAL = 0.15, 0.02
+"""How much normals and eigenfunctions count in the nearest point, against places per sqrt(area)."""
+
+CANDIDATES = 10_000
+"""Vertices of the target that the nearest are looked for among, at most."""
+
+
+@dataclass(frozen=True, eq=False)
+class Registration:
+    """The source's proxy on the target.
+
+    Parameters
+    ----------
+    image
+        (P1,) int64: target vertex of each vertex of the source's proxy.
+    positions
+        (P1, 3) float64: where the bent proxy lies, in the target's coordinates.
+    misfit
+        (P1,) float64: how far it lies from its image, per sqrt(area).
+    turn
+        (P1,) float64: 1 - cosine of the angle between its turned normal and the target's.
+    """
+
+    image: np.ndarray
+    positions: np.ndarray
+    misfit: np.ndarray
+    turn: np.ndarray
+
+
+def register(source: Surface, target: Surface, image: np.ndarray) -> Registration:
+    """Bend the source onto the target.
+
+    Parameters
+    ----------
+    source, target
+        The surfaces.
+    image
+        (P1,) int64: target vertex of each vertex of the source's proxy, to begin with.
+    """
+    here, there = (surface.mesh.vertices / np.sqrt(surface.area) for surface in (source, target))
+    normals1, normals2 = _normals(here, source.mesh.faces)[source.proxy], _normals(there, target.mesh.faces)
+    spectral1 = source.eigenfunctions[source.proxy].astype(np.float64)
+    some = _candidates(target)
+    goals = np.concatenate([there[some], NORMAL * normals2[some], SPECTRAL * target.eigenfunctions[some]], axis=1)
+    drawing = np.searchsorted(some, target.proxy)
+    body = _Body(here[source.proxy], source.proxy_edges)
+    places, positions, turns = there[image], there[image], np.empty(0)
+    for trust in TRUST:
+        body.weigh(trust)
+        if trust == TRUST[0]:
+            positions, turns = body.settle(positions, places, SETTLING)
+            continue
+        for _ in range(ROUNDS):
+            transfer = functional_map(spectral1, target.eigenfunctions[image])
+            turned = np.einsum("ni,nij->nj", normals1, turns)
+            seekers = np.concatenate([positions, NORMAL * turned, SPECTRAL * (spectral1 @ transfer)], axis=1)
+            image = some[nearest_rows(seekers, goals)]
+            drawn = nearest_rows(goals[drawing], seekers)
+            number = 1 + np.bincount(drawn, minlength=len(image))
+            places = (
+                np.stack([np.bincount(drawn, axis, len(image)) for axis in there[target.proxy].T], axis=1)
+                + there[image]
+            )
+            positions, turns = body.settle(positions, places / number[:, None], STEPS)
+    turned = np.einsum("ni,nij->nj", normals1, turns)
+    return Registration(
+        image,
+        positions * np.sqrt(target.area),
+        np.linalg.norm(positions - there[image], axis=1),
+        1 - np.einsum("ij,ij->i", turned, normals2[image]),
+    )
+
+
+class _Body:
+    """A graph of points (p, 3) with edges (E, 2), of which each neighbourhood would rather turn than change."""
+
+    def __init__(self, rest: np.ndarray, edges: np.ndarray) -> None:
+        self._start, self._end = np.concatenate([edges, edges[:, ::-1]]).T
+        self._rest = rest[self._start] - rest[self._end]
+        size, ones = len(rest), np.ones(len(self._start))
+        self._sum = sp.csr_matrix((ones, (self._start, np.arange(len(ones)))), shape=(size, len(ones)))
+        self._laplacian = sp.diags(np.bincount(self._start, minlength=size).astype(float)) - sp.csr_matrix(
+            (ones, (self._start, self._end)), shape=(size, size)
+        )
+
+    def weigh(self, trust: float) -> None:
+        """Set how much the places count."""
+        self._trust = trust
+        self._factors = factorized(self._laplacian + trust * sp.eye(self._laplacian.shape[0]))
+
+    def settle(self, positions: np.ndarray, places: np.ndarray, steps: int) -> tuple[np.ndarray, np.ndarray]:
+        """Positions (p, 3) between rigidity and places, and the turns (p, 3, 3) of rows; turning and moving in turn."""
+        for _ in range(steps):
+            moved = positions[self._start] - positions[self._end]
+            products = (self._rest[:, :, None] * moved[:, None, :]).reshape(-1, 9)
+            left, _, right = np.linalg.svd((self._sum @ products).reshape(-1, 3, 3))
+            left[np.linalg.det(left @ right) < 0, :, 2] *= -1
+            turns = left @ right
+            wanted = np.einsum("ei,eij->ej", self._rest, turns[self._start] + turns[self._end]) / 2
+            positions = self._factors.solve(self._sum @ wanted + self._trust * places)
+        return positions, turns
+
+
+def _normals(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
+    sums = vertex_sums(faces, cross_products(vertices, faces), len(vertices))
+    return sums / np.maximum(np.linalg.norm(sums, axis=1, keepdims=True), np.finfo(float).tiny)
+
+
+def _candidates(surface: Surface) -> np.ndarray:
+    """Vertices (c,) ascending: all if they are few, else the proxy and an even draw."""
+    n = len(surface.mesh.vertices)
+    if n <= CANDIDATES:
+        return np.arange(n)
+    drawn = np.random.default_rng(0).choice(n, CANDIDATES - len(surface.proxy), replace=False)
+    return np.union1d(surface.proxy, drawn)

@@ -1,0 +1,37 @@
+"""Closest points on the faces around a vertex, against hand-made ones and a dense search."""
+
+import numpy as np
+
+from mobius_match.geometry.points import closest_points
+from tests.shapes import lump
+
+SQUARE = np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]])
+HALVES = np.array([[0, 1, 2], [0, 2, 3]])
+
+
+def test_points_of_a_square():
+    queries = np.array([[0.75, 0.25, 0.3], [0.25, 0.75, -1.0], [-1.0, -1.0, 0.0], [2.0, 0.5, 0.0]])
+    found = closest_points(SQUARE, HALVES, queries, np.array([0, 2, 0, 1]))
+    np.testing.assert_array_equal(found.faces[[0, 1, 3]], [0, 1, 0])
+    places = np.einsum("qk,qkd->qd", found.barycentric, SQUARE[found.corners])
+    np.testing.assert_allclose(places, [[0.75, 0.25, 0], [0.25, 0.75, 0], [0, 0, 0], [1, 0.5, 0]], atol=1e-12)
+    assert found.nearest[2] == 0
+
+
+def test_points_on_the_surface_are_their_own():
+    vertices, faces = lump(2)
+    generator = np.random.default_rng(0)
+    chosen = generator.integers(len(faces), size=200)
+    weights = generator.dirichlet(np.ones(3), 200)
+    queries = np.einsum("qk,qkd->qd", weights, vertices[faces[chosen]])
+    found = closest_points(vertices, faces, queries, faces[chosen, weights.argmax(axis=1)])
+    np.testing.assert_array_equal(found.faces, chosen)
+    np.testing.assert_allclose(found.barycentric, weights, atol=1e-9)
+    np.testing.assert_array_equal(found.nearest, faces[chosen, weights.argmax(axis=1)])
+
+
+def test_faces_without_area_give_their_vertex():
+    vertices = np.array([[0.0, 0, 0], [1, 0, 0], [2, 0, 0]])
+    found = closest_points(vertices, np.array([[0, 1, 2]]), np.array([[0.4, 1.0, 0]]), np.array([1]))
+    np.testing.assert_allclose(found.barycentric.sum(axis=1), 1)
+    assert np.isfinite(found.barycentric).all()

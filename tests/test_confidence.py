@@ -1,0 +1,56 @@
+"""Confidence as a chance: sure of a copy, less so where a place is wrong, and right as often as it says."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import mobius_match as mm
+from mobius_match import examples
+from mobius_match.confidence import chances, distances_of_places, evidence
+from mobius_match.registration import register
+from tests.shapes import lump
+
+
+@pytest.fixture(scope="module")
+def copy():
+    surface = mm.prepare(lump(4))
+    return surface, register(surface, surface, surface.proxy), np.eye(100)
+
+
+def test_a_copy_has_nothing_against_it(copy):
+    surface, registration, votes = copy
+    distances = distances_of_places(surface, surface, registration)
+    np.testing.assert_allclose(distances, surface.distances, atol=0.02 * surface.diameter)
+    found = evidence(surface, surface, registration, votes, distances)
+    for kind in ("distances", "descriptor", "misfit", "turn"):
+        assert found[kind].max() < 0.015, kind
+    np.testing.assert_allclose(found["votes"], 1, atol=0.1)
+    assert chances(surface, surface, registration, votes, distances).min() > 0.98
+
+
+def test_a_wrong_place_is_doubted_and_the_others_are_not(copy):
+    surface, registration, votes = copy
+    sample = 20
+    here = int(np.searchsorted(surface.proxy, surface.samples[sample]))
+    image = registration.image.copy()
+    image[here] = surface.samples[np.argmax(surface.distances[sample])]
+    wrong = replace(registration, image=image)
+    found = chances(surface, surface, wrong, votes, distances_of_places(surface, surface, wrong))
+    assert np.argmin(found) == sample
+    assert np.median(found) > 0.95
+
+
+@pytest.mark.parametrize("name", examples.names())
+def test_nine_of_ten_matches_of_confidence_09_are_right(name):
+    source, target = examples.paths(name)
+    result = mm.match(source, target)
+    mesh = mm.read_mesh(target)
+    faces, barycentric = examples.truth(name)
+    places = np.einsum("ijk,ij->ik", mesh.vertices[mesh.faces[faces]], barycentric)[result.pairs[:, 0]]
+    points = result.target_points
+    found = np.einsum("qk,qkd->qd", points.barycentric, mesh.vertices[points.corners])
+    right = np.linalg.norm(found - places, axis=1) < 0.05 * result.target_info["diameter"]
+    sure = result.confidence >= 0.9
+    assert sure.sum() >= 30
+    assert right[sure].mean() >= 0.9
