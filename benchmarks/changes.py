@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 import igl
 import numpy as np
@@ -87,19 +88,21 @@ def _mean_edge(vertices: np.ndarray, faces: np.ndarray) -> float:
 
 def decimated(vertices: np.ndarray, faces: np.ndarray, rng: np.random.Generator, share: float) -> Changed:
     """Edges drawn together by least quadric error until that share of the faces is left."""
-    coarse = igl.qslim(*_for_igl(vertices, faces), round(share * len(faces)))
-    return replaced(*coarse[:2], vertices, faces)
+    points, triangles, *_ = igl.qslim(*_for_igl(vertices, faces), round(share * len(faces)))
+    return replaced(points, triangles, vertices, faces)
 
 
 def refined(vertices: np.ndarray, faces: np.ndarray, rng: np.random.Generator) -> Changed:
     """Each triangle cut into four at the middles of its edges."""
-    return kept(*igl.upsample(vertices, faces, 1), np.arange(len(vertices)))
+    points, triangles = igl.upsample(vertices, faces, 1)
+    return kept(points, triangles, np.arange(len(vertices)))
 
 
 def remeshed(vertices: np.ndarray, faces: np.ndarray, rng: np.random.Generator) -> Changed:
     """As many faces, but others: refined, then the shortest edge drawn together again and again."""
-    even = igl.decimate(*_for_igl(*igl.upsample(vertices, faces, 1)), len(faces))
-    return replaced(*even[:2], vertices, faces)
+    fine, more = igl.upsample(vertices, faces, 1)
+    points, triangles, *_ = igl.decimate(*_for_igl(fine, more), len(faces))
+    return replaced(points, triangles, vertices, faces)
 
 
 def _for_igl(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -242,8 +245,11 @@ def cases(folder: Path) -> list[Case]:
     return found
 
 
-def errors(case: Case, source: Mesh, target: Mesh, pairs: np.ndarray) -> dict[str, np.ndarray | None]:
-    """``direct`` and ``mirrored`` errors (Q,) of matches, heat distances per diameter of the repaired target."""
+def errors(case: Case, source: Mesh, target: Mesh, pairs: np.ndarray) -> dict[str, Any]:
+    """``direct`` and, if there is such a list, ``mirrored`` errors (Q,) of matches; else None.
+
+    Heat distances per diameter of the repaired target.
+    """
     scorer = Scorer(case, source, target, "heat", cached_diameter(target, "heat"))
     found = scorer.score(pairs, np.ones(len(pairs)))
     return {name: found[name] for name in ("direct", "mirrored")}

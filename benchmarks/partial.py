@@ -135,6 +135,14 @@ def cells(found: dict[str, float] | None) -> str:
     return f"{found['matches']:.0f} | {found['right']:.0%} | {found['missing']:.0f} |"
 
 
+def summed(found: list[dict[str, float]]) -> dict[str, float] | None:
+    """The last line's figures of a task."""
+    if not found:
+        return None
+    means = {key: float(np.mean([one[key] for one in found])) for key in ("matches", "right")}
+    return means | {"missing": sum(one["missing"] for one in found)}
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("data", type=Path)
@@ -161,17 +169,11 @@ def main() -> None:
         line = f"| {shape} | {what} | {left:.0%} | {pose} | {' '.join(map(cells, found))}\n"
         text += line
         print(line, end="", flush=True)
-    total = []
-    for column in zip(*everything, strict=True):
-        done = [found for found in column if found is not None]
-        total.append({key: float(np.mean([one[key] for one in done])) for key in done[0]} if done else None)
-        if done:
-            total[-1]["missing"] = sum(one["missing"] for one in done)
+    total = [summed([found for found in column if found is not None]) for column in zip(*everything, strict=True)]
     line = f"| **all** | | | | {' '.join(map(cells, total))}\n"
     text += line + "\nIn the last line matches and right are means, missing is the sum. Made by one command:\n\n"
-    text += (
-        "    python benchmarks/partial.py DATA" + (f" --cuts {len(chosen)}" if len(chosen) < len(CUTS) else "") + "\n"
-    )
+    fewer = f" --cuts {len(chosen)}" if len(chosen) < len(CUTS) else ""
+    text += f"    python benchmarks/partial.py DATA{fewer}\n"
     print(line)
     write_atomically(options.output, text.encode())
 
