@@ -1,0 +1,167 @@
+"""Make docs/ablation.md: what each ingredient of the default settings is worth, by leaving it out alone.
+
+    python benchmarks/ablation.py DATA [-o docs/ablation.md] [--every K]
+
+DATA is an evaluation set, or a folder of such sets. Takes about a second a pair and row on each processor.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+import tempfile
+from collections.abc import Callable, Mapping
+from contextlib import AbstractContextManager, nullcontext
+from functools import partial
+from pathlib import Path
+from typing import Any
+from unittest.mock import patch
+
+import numpy as np
+
+import mobius_match as mm
+from mobius_match import confidence, hypotheses, matching, registration
+from mobius_match.correspondence import write_atomically
+from mobius_match.errors import FormatError
+from mobius_match.evaluation import Case, find_dataset, summary
+from mobius_match.evaluation.pool import Died, Workers
+from mobius_match.evaluation.work import match_pair, prepare_one, record_of, surface_path
+from mobius_match.geometry.transport import Transport
+from mobius_match.registration import Registration
+from mobius_match.settings import make_settings
+from mobius_match.surface import Surface
+from mobius_match.voting import tally
+
+HEADING = """# Ablation
+
+What each ingredient of the default settings is worth: one is left out at a time, everything else stays. For each set:
+mean error of the first 15 / mean error of the first 45 / share of pairs whose first 15 are all within 3 % / wrong pairs
+(mean of the first 45 above 0.10, or no match). Errors are geodesic distances (heat method) per diameter of the target;
+where a set has landmarks, that of the match nearest to each landmark.
+"""
+
+
+def alike(signatures1: np.ndarray, signatures2: np.ndarray) -> np.ndarray:
+    """Stands for the similarity of descriptors: all samples are equally similar."""
+    return np.ones((len(signatures1), len(signatures2)))
+
+
+def unbent(source: Surface, target: Surface, image: np.ndarray) -> Registration:
+    """Stands for the registration: the map of the explanation as it is."""
+    nothing = np.zeros(len(image))
+    return Registration(image, target.mesh.vertices[image], nothing, nothing)
+
+
+Patches = Callable[[], AbstractContextManager[Any]]
+
+
+def weights(**changed: float) -> Patches:
+    names = {name.replace("_", " "): value for name, value in changed.items()}
+    return lambda: patch.dict(hypotheses.WEIGHTS, names)
+
+
+def constant(module: Any, name: str, value: Any) -> Patches:
+    return lambda: patch.object(module, name, value)
+
+
+WITHOUT: dict[str, tuple[dict[str, Any], Patches]] = {
+    "nothing left out": ({}, nullcontext),
+    "guided triplets and all that follows (uniform ones, paper's K)": ({"proposal": "uniform"}, nullcontext),
+    "intrinsic Delaunay triangulation": ({"triangulation": "mesh"}, nullcontext),
+    "heat geodesics (edge paths)": ({"geodesics": "dijkstra"}, nullcontext),
+    "descriptors in the votes": ({}, constant(tally, "signature_similarity", alike)),
+    "choice between explanations (most votes win)": (
+        {},
+        weights(distances=0.0, laplacian=0.0, mean_curvature=0.0, gauss_curvature=0.0),
+    ),
+    **{f"choice: {kind}": ({}, weights(**{kind.replace(" ", "_"): 0.0})) for kind in hypotheses.WEIGHTS},
+    "transport (nearest points)": ({}, constant(hypotheses, "Transport", partial(Transport, balance=0.0))),
+    "upsampling (20 eigenfunctions alone)": ({}, constant(hypotheses, "UPSAMPLING", (20,))),
+    "registration": ({"threshold": 0.0}, constant(matching, "register", unbent)),
+    "registration: normals": ({}, constant(registration, "NORMAL", 0.0)),
+    "registration: eigenfunctions": ({}, constant(registration, "SPECTRAL", 0.0)),
+    "registration: rising trust (the first alone)": ({}, constant(registration, "TRUST", registration.TRUST[:2])),
+    "confidence (all alike)": (
+        {"threshold": 0.0},
+        lambda: patch.dict(confidence.SLOPES, dict.fromkeys(confidence.SLOPES, 0.0)),
+    ),
+    **{
+        f"confidence: {kind}": ({"threshold": 0.0}, partial(patch.dict, confidence.SLOPES, {kind: 0.0}))
+        for kind in confidence.SLOPES
+    },
+}
+
+
+def records_without(case: Case, folder: Path) -> dict[str, dict[str, Any]]:
+    """The records of one pair, by what was left out."""
+    return {name: record_without(case, folder, name) for name in WITHOUT}
+
+
+def record_without(case: Case, folder: Path, name: str) -> dict[str, Any]:
+    settings, patches = WITHOUT[name]
+    chosen = make_settings(**settings, jobs=1)
+    # A preparation of its own for settings that change it.
+    place = folder / "-".join(str(value) for value in vars(chosen.preparation()).values())
+    for mesh in (case.source, case.target):
+        path = surface_path(place, mesh)
+        if not path.exists():
+            path.parent.mkdir(parents=True, exist_ok=True)
+            prepare_one(str(mesh), path, chosen)
+    with patches():
+        return record_of(match_pair, case, "heat", place, chosen)
+
+
+def cell(records: list[dict[str, Any]]) -> str:
+    found = summary.headline(records, "direct")
+    wrong = found["wrong"] + sum(record["status"] != "done" for record in records)
+    return f"{found['mean15']:.4f} / {found['mean45']:.4f} / {found['first15_close']:.0%} / {wrong:.0f}"
+
+
+def page(sets: Mapping[str, list[dict[str, dict[str, Any]]]], command: str) -> str:
+    titles = [f"{name} ({len(found)})" for name, found in sets.items()]
+    lines = [f"| left out | {' | '.join(titles)} |", "|---" * (len(sets) + 1) + "|"]
+    for name in WITHOUT:
+        cells = [cell([records[name] for records in found]) for found in sets.values()]
+        lines.append(f"| {name} | {' | '.join(cells)} |")
+    return HEADING + "\n" + "\n".join(lines) + f"\n\nMade by one command:\n\n    {command}\n"
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("data", type=Path)
+    parser.add_argument("-o", "--output", type=Path, default=Path("docs/ablation.md"))
+    parser.add_argument("--every", type=int, default=1, help="only every K-th pair of each set (1)")
+    options = parser.parse_args()
+    if options.every < 1:
+        parser.error("--every: give 1 or more")
+    if not options.output.parent.is_dir():
+        parser.error(f"--output: there is no folder {options.output.parent}")
+    sets: dict[str, list[Case]] = {}
+    for folder in [options.data, *sorted(path for path in options.data.iterdir() if path.is_dir())]:
+        try:
+            sets[folder.name] = list(find_dataset(folder).cases)[:: options.every]
+        except FormatError as error:
+            print(f"left out: {error}", file=sys.stderr)
+    if not sets:
+        sys.exit(f"{options.data}: neither an evaluation set nor a folder of such sets")
+    chosen = {f"{name} {case.name}": case for name, cases in sets.items() for case in cases}
+    found: dict[str, dict[str, dict[str, Any]]] = {}
+    with tempfile.TemporaryDirectory() as folder, Workers(min(os.cpu_count() or 1, len(chosen))) as workers:
+        jobs = {name: (case, Path(folder)) for name, case in chosen.items()}
+        for name, records in workers.results(records_without, jobs):
+            if records is Died:
+                sys.exit(f"{name}: its process ended; most often there is not enough memory")
+            found[name] = records
+            print(f"{len(found)} of {len(chosen)}: {name}", file=sys.stderr, flush=True)
+    command = "python benchmarks/ablation.py DATA" + (f" --every {options.every}" if options.every > 1 else "")
+    text = page({name: [found[f"{name} {case.name}"] for case in cases] for name, cases in sets.items()}, command)
+    write_atomically(options.output, text.encode())
+    print(text)
+
+
+if __name__ == "__main__":
+    try:
+        main()
+    except mm.MobiusError as problem:
+        sys.exit(str(problem))
