@@ -66,11 +66,12 @@ def register(source: Surface, target: Surface, image: np.ndarray) -> Registratio
     image
         (P1,) int64: target vertex of each vertex of the source's proxy, to begin with.
     """
-    here, there = (surface.mesh.vertices / np.sqrt(surface.area) for surface in (source, target))
+    centre = target.mesh.vertices.mean(axis=0)
+    here, there = source.mesh.vertices / np.sqrt(source.area), (target.mesh.vertices - centre) / np.sqrt(target.area)
     normals1, normals2 = _normals(here, source.mesh.faces)[source.proxy], _normals(there, target.mesh.faces)
     spectral1 = source.eigenfunctions[source.proxy].astype(np.float64)
     some = _candidates(target)
-    goals = np.concatenate([there[some], NORMAL * normals2[some], SPECTRAL * target.eigenfunctions[some]], axis=1)
+    goals = _features(there[some], normals2[some], target.eigenfunctions[some])
     drawing = np.searchsorted(some, target.proxy)
     body = _Body(here[source.proxy], source.proxy_edges)
     places, positions, turns = there[image], there[image], np.empty(0)
@@ -82,7 +83,7 @@ def register(source: Surface, target: Surface, image: np.ndarray) -> Registratio
         for _ in range(ROUNDS):
             transfer = functional_map(spectral1, target.eigenfunctions[image])
             turned = np.einsum("ni,nij->nj", normals1, turns)
-            seekers = np.concatenate([positions, NORMAL * turned, SPECTRAL * (spectral1 @ transfer)], axis=1)
+            seekers = _features(positions, turned, spectral1 @ transfer)
             image = some[nearest_rows(seekers, goals)]
             drawn = nearest_rows(goals[drawing], seekers)
             number = 1 + np.bincount(drawn, minlength=len(image))
@@ -94,10 +95,15 @@ def register(source: Surface, target: Surface, image: np.ndarray) -> Registratio
     turned = np.einsum("ni,nij->nj", normals1, turns)
     return Registration(
         image,
-        positions * np.sqrt(target.area),
+        positions * np.sqrt(target.area) + centre,
         np.linalg.norm(positions - there[image], axis=1),
         1 - np.einsum("ij,ij->i", turned, normals2[image]),
     )
+
+
+def _features(places: np.ndarray, normals: np.ndarray, spectral: np.ndarray) -> np.ndarray:
+    """What points are compared by, (p, 6 + k); single precision halves the time of the search."""
+    return np.concatenate([places, NORMAL * normals, SPECTRAL * spectral], axis=1).astype(np.float32)
 
 
 class _Body:
