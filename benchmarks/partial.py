@@ -2,7 +2,7 @@
 
     python benchmarks/partial.py DATA [-o docs/partial.md] [--cuts N]
 
-DATA is the folder that holds the evaluation sets tosca and faust, with their pairs and corres/. Takes a minute or two.
+DATA is the folder that holds the evaluation sets tosca and faust, with their pairs and corres/. Takes a few minutes.
 """
 
 from __future__ import annotations

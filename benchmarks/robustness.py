@@ -2,7 +2,7 @@
 
     python benchmarks/robustness.py DATA [-o docs/robustness.md] [--pairs N]
 
-DATA is an evaluation set whose corres/ has NAME.vts and NAME.sym.vts, or a folder of such sets. Takes about twenty
+DATA is an evaluation set whose corres/ has NAME.vts and NAME.sym.vts, or a folder of such sets. Takes 20 to 40
 seconds a pair on one processor, and uses all there are.
 """
 
