@@ -63,7 +63,8 @@ class MatchSettings(PrepareSettings):
     Parameters
     ----------
     votes
-        Number of triplets to evaluate; None lets the program choose.
+        Number of triplets to evaluate. None: with guided proposals until the votes have settled, at most 20,000; with
+        uniform ones the paper's number.
     proposal
         ``"guided"`` draws triplets that agree in geodesic distances, ``"uniform"`` draws as the paper does.
     distance
@@ -120,7 +121,7 @@ class MatchSettings(PrepareSettings):
         return PrepareSettings(**{f.name: getattr(self, f.name) for f in fields(PrepareSettings)})
 
     def number_of_votes(self) -> int:
-        """How many triplets are evaluated: the given number, or the program's choice."""
+        """How many triplets are evaluated: the given number, or the most that the program chooses."""
         if self.votes is not None:
             return self.votes
         if self.proposal == "uniform":

@@ -32,6 +32,12 @@ from .proposals import (
 LEAST_BATCHES = 32
 LARGEST_BATCH = 50_000
 
+ROUND = 8
+"""Batches between two looks at whether the votes have settled, where the program chooses how many there are."""
+
+SETTLED = 0.98
+"""They have if this part of the leading votes is for the same samples as a round ago."""
+
 WEIGHT_SCALE = 0.15
 """Difference of geodesic distances per sqrt(area) at which the weight of a pair has fallen to 1 / e."""
 
@@ -113,19 +119,34 @@ def cast_votes(source: Surface, target: Surface, settings: MatchSettings, progre
     n_batches = max(LEAST_BATCHES, -(-total // LARGEST_BATCH))
     sizes = [total * (k + 1) // n_batches - total * k // n_batches for k in range(n_batches)]
     streams = np.random.SeedSequence(settings.seed).spawn(n_batches)
+    open_ended = settings.votes is None and settings.proposal == "guided"
+    round_size = ROUND if open_ended else n_batches
     votes = _without_triplets(np.zeros((len(source.samples), len(target.samples))), 0, 0)
     if progress is not None and not _is_compiled(settings.proposal):
         progress("compiling", 0, 1)
     with ThreadPoolExecutor(settings.jobs or os.cpu_count() or 1) as pool:
         try:
-            for done, more in enumerate(pool.map(batch, streams, sizes)):
-                votes += more
-                if progress is not None:
-                    progress("voting", done + 1, n_batches)
+            for start in range(0, n_batches, round_size):
+                before, part = votes, slice(start, start + round_size)
+                for done, more in enumerate(pool.map(batch, streams[part], sizes[part]), start + 1):
+                    votes += more
+                    if progress is not None:
+                        progress("voting", done, n_batches)
+                if open_ended and _settled(before, votes):
+                    break
+            if progress is not None:
+                progress("voting", n_batches, n_batches)
         except BaseException:
             pool.shutdown(wait=False, cancel_futures=True)
             raise
     return replace(votes, warnings=warnings)
+
+
+def _settled(before: Votes, after: Votes) -> bool:
+    """Whether the last round changed little: which sample of the target leads, over the source's samples."""
+    leading1, leading2 = before.matrix.argmax(axis=1), after.matrix.argmax(axis=1)
+    weights = after.matrix.max(axis=1)
+    return bool(weights[leading1 == leading2].sum() >= SETTLED * weights.sum() > 0)
 
 
 def _without_triplets(matrix: np.ndarray, n_triplets: int, n_voting: int) -> Votes:
