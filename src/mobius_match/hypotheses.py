@@ -40,7 +40,7 @@ UPSAMPLING = (20, 30, 40, 50)
 COMPARED = 20
 """Number of eigenfunctions on which maps are compared with the Laplacian."""
 
-WEIGHTS = {"distances": 1.0, "laplacian": 1.0, "mean curvature": 2.0, "gauss curvature": 3.0, "votes": 1.0}
+WEIGHTS = {"distances": 5.0, "laplacian": 3.0, "mean curvature": 1.0, "gauss curvature": 3.0, "votes": 2.0}
 """What each kind of evidence counts."""
 
 

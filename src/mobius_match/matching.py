@@ -28,7 +28,7 @@ VOTES_THRESHOLD = 0.1
 CHANCE_THRESHOLD = 0.5
 """Confidence, as a chance of being right, below which a match under an explanation is left out."""
 
-CLOSE = 0.15
+CLOSE = 0.3
 """Difference of two explanations' badness below which the choice between them is called close."""
 
 
