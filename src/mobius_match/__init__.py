@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from .correspondence import Correspondence
     from .matching import match
     from .mesh import Mesh, read_mesh
+    from .mirror import Symmetry, symmetry
     from .settings import MatchSettings, PrepareSettings
     from .surface import Surface, prepare
 
@@ -28,9 +29,11 @@ _HOMES = {
     "Mesh": "mesh",
     "PrepareSettings": "settings",
     "Surface": "surface",
+    "Symmetry": "mirror",
     "match": "matching",
     "prepare": "surface",
     "read_mesh": "mesh",
+    "symmetry": "mirror",
 }
 
 __all__ = [
@@ -44,11 +47,13 @@ __all__ = [
     "PrepareSettings",
     "SettingsError",
     "Surface",
+    "Symmetry",
     "TopologyError",
     "__version__",
     "match",
     "prepare",
     "read_mesh",
+    "symmetry",
 ]
 
 

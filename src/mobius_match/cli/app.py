@@ -12,6 +12,7 @@ from .common import guarded
 from .demo import demo
 from .info import info
 from .match import match
+from .symmetry import symmetry
 
 app = typer.Typer(
     name="mobius",
@@ -42,5 +43,5 @@ def mobius(
     """
 
 
-for command in (match, info, demo, bench):
+for command in (match, info, demo, bench, symmetry):
     app.command()(guarded(command))
