@@ -60,7 +60,7 @@ def evidence(
     here, there = _distances_to_origins(source, target, registration), distances / np.sqrt(target.area)
     weight = np.exp(-np.minimum(here, there) / NEAR)
     signatures = wave_kernel_signature(target.eigenvalues, target.eigenfunctions[places])
-    around = _around(source)
+    around = neighbour_means(source)
     supporting = votes * np.exp(-((there / VOTED) ** 2))
     return {
         "distances": (weight * np.abs(here - there)).sum(axis=1) / weight.sum(axis=1),
@@ -75,24 +75,24 @@ def distances_of_places(source: Surface, target: Surface, registration: Registra
     """Geodesic distances (N1, N2) of the places of the source's samples from the target's samples, target's units."""
     vertices = target.mesh.vertices
     places = vertices[registration.image[np.searchsorted(source.proxy, source.samples)]]
-    return _interpolated(vertices[target.proxy], places, target.proxy_distances).T
+    return interpolated(vertices[target.proxy], places, target.proxy_distances).T
 
 
 def _distances_to_origins(source: Surface, target: Surface, registration: Registration) -> np.ndarray:
     """Distances (N1, N2) per sqrt(area) of the source's samples from where the target's samples come from."""
     images = target.mesh.vertices[registration.image]
-    found = _interpolated(images, target.mesh.vertices[target.samples], source.proxy_distances)
+    found = interpolated(images, target.mesh.vertices[target.samples], source.proxy_distances)
     return found / np.sqrt(source.area)
 
 
-def _interpolated(points: np.ndarray, queries: np.ndarray, values: np.ndarray) -> np.ndarray:
+def interpolated(points: np.ndarray, queries: np.ndarray, values: np.ndarray) -> np.ndarray:
     """Values (N, p) that are known at points (p, 3), at queries (q, 3): (N, q), by distance in space."""
     apart, near = cKDTree(points).query(queries, min(NEIGHBOURS, len(points)))
     weights = 1 / (apart + 1e-3 * apart.mean() + np.finfo(float).tiny) ** 2
     return np.einsum("nqk,qk->nq", values[:, near], weights / weights.sum(axis=1, keepdims=True))
 
 
-def _around(surface: Surface) -> sp.csr_matrix:
+def neighbour_means(surface: Surface) -> sp.csr_matrix:
     """Takes values at the proxy to their means over each vertex's neighbours."""
     start, end = np.concatenate([surface.proxy_edges, surface.proxy_edges[:, ::-1]]).T
     size = len(surface.proxy)

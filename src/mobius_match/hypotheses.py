@@ -151,7 +151,7 @@ def compare(source: Surface, target: Surface, image: np.ndarray) -> dict[str, fl
     transfer = functional_map(first, second[image])
     low, high = source.eigenvalues[: transfer.shape[0]], target.eigenvalues[: transfer.shape[1]]
     gauss, mean = (
-        1 - _rank_correlation(of_source, of_target[image])
+        1 - rank_correlation(of_source, of_target[image])
         for of_source, of_target in zip(source.proxy_curvatures, target.proxy_curvatures, strict=True)
     )
     return {
@@ -164,7 +164,7 @@ def compare(source: Surface, target: Surface, image: np.ndarray) -> dict[str, fl
     }
 
 
-def _rank_correlation(first: np.ndarray, second: np.ndarray) -> float:
+def rank_correlation(first: np.ndarray, second: np.ndarray) -> float:
     """Spearman's, ties in order; 0 where one of the two does not vary. (Importing scipy.stats takes half a second.)"""
     if np.ptp(first) == 0 or np.ptp(second) == 0:
         return 0.0

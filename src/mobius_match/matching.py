@@ -17,6 +17,7 @@ from .errors import NothingFoundError
 from .geometry.points import SurfacePoints, closest_points
 from .hypotheses import Explanation, explanations, finer_targets
 from .matrix_processing import linear_assignment, max_row_column, normalized, recover
+from .partial import part_places
 from .registration import register
 from .settings import MatchSettings, make_settings
 from .surface import Progress, Surface, matchable, prepare_mesh
@@ -95,10 +96,17 @@ def match(
     begin = time.perf_counter()
     # One BLAS thread: sums must not depend on the number of processors.
     with threadpool_limits(limits=1, user_api="blas"):
-        found = explanations(first, second, votes)
+        # The paper's own voting knows whole surfaces only.
+        places, note = part_places(first, second, chosen.seed) if chosen.proposal == "guided" else (None, "")
+        found = [] if places else explanations(first, second, votes)
         timings["explanations"] = time.perf_counter() - begin
         begin = time.perf_counter()
-        matches = _explained(first, second, votes, found[0], chosen) if found else _voted(first, second, votes, chosen)
+        if places:
+            matches = _reported(first, second, *places, np.ones(len(first.samples), bool), chosen)
+        elif found:
+            matches = _explained(first, second, votes, found[0], chosen)
+        else:
+            matches = _voted(first, second, votes, chosen)
     timings["matches"] = time.perf_counter() - begin
     timings["total"] = time.perf_counter() - start
     return Correspondence(
@@ -115,7 +123,7 @@ def match(
             "triplets": votes.n_triplets,
             "voting triplets": votes.n_voting,
         },
-        warnings=(*_notes(first), *_notes(second), *votes.warnings, *_doubts(found)),
+        warnings=(*_notes(first), *_notes(second), *votes.warnings, *([note] if note else []), *_doubts(found)),
         others=partial(_alternatives, first, second, votes, found, chosen),
         source=first,
         target=second,
@@ -156,6 +164,18 @@ def _explained(
     pairs, _ = _assign(votes.matrix, settings)
     radius = settings.recovery_radius or MatchSettings.recovery_radius
     voted[pairs[:, 0]] = distances[pairs[:, 0], pairs[:, 1]] <= radius * target.diameter
+    return _reported(source, target, points, chance, voted, settings)
+
+
+def _reported(
+    source: Surface,
+    target: Surface,
+    points: SurfacePoints,
+    chance: np.ndarray,
+    voted: np.ndarray,
+    settings: MatchSettings,
+) -> dict[str, Any]:
+    """The likely ones among the places of the source's samples, the most confident first, no target vertex twice."""
     threshold = CHANCE_THRESHOLD if settings.threshold is None else settings.threshold
     kept = np.flatnonzero((chance >= threshold) & (voted | (settings.recovery_radius > 0)))
     kept = kept[np.argsort(-chance[kept], kind="stable")]

@@ -56,7 +56,7 @@ class Registration:
     turn: np.ndarray
 
 
-def register(source: Surface, target: Surface, image: np.ndarray) -> Registration:
+def register(source: Surface, target: Surface, image: np.ndarray, *, whole: bool = True) -> Registration:
     """Bend the source onto the target.
 
     Parameters
@@ -65,14 +65,19 @@ def register(source: Surface, target: Surface, image: np.ndarray) -> Registratio
         The surfaces.
     image
         (P1,) int64: target vertex of each vertex of the source's proxy, to begin with.
+    whole
+        Whether the source covers the target. If not, eigenfunctions do not count, and the target does not draw.
     """
     centre = target.mesh.vertices.mean(axis=0)
     here, there = source.mesh.vertices / np.sqrt(source.area), (target.mesh.vertices - centre) / np.sqrt(target.area)
-    normals1, normals2 = _normals(here, source.mesh.faces)[source.proxy], _normals(there, target.mesh.faces)
-    spectral1 = source.eigenfunctions[source.proxy].astype(np.float64)
+    normals1, normals2 = vertex_normals(here, source.mesh.faces)[source.proxy], vertex_normals(there, target.mesh.faces)
+    # Nothing is left of the eigenfunctions of a part, or of who draws.
+    drawers, shared = (target.proxy, target.eigenfunctions.shape[1]) if whole else (target.proxy[:0], 0)
+    spectral1 = source.eigenfunctions[source.proxy].astype(np.float64)[:, :shared]
+    spectral2 = target.eigenfunctions[:, :shared]
     some = _candidates(target)
-    goals = _features(there[some], normals2[some], target.eigenfunctions[some])
-    drawing = np.searchsorted(some, target.proxy)
+    goals = _features(there[some], normals2[some], spectral2[some])
+    drawing = np.searchsorted(some, drawers)
     body = _Body(here[source.proxy], source.proxy_edges)
     places, positions, turns = there[image], there[image], np.empty(0)
     for trust in TRUST:
@@ -81,16 +86,14 @@ def register(source: Surface, target: Surface, image: np.ndarray) -> Registratio
             positions, turns = body.settle(positions, places, SETTLING)
             continue
         for _ in range(ROUNDS):
-            transfer = functional_map(spectral1, target.eigenfunctions[image])
+            transfer = functional_map(spectral1, spectral2[image])
             turned = np.einsum("ni,nij->nj", normals1, turns)
             seekers = _features(positions, turned, spectral1 @ transfer)
             image = some[nearest_rows(seekers, goals)]
             drawn = nearest_rows(goals[drawing], seekers)
             number = 1 + np.bincount(drawn, minlength=len(image))
-            places = (
-                np.stack([np.bincount(drawn, axis, len(image)) for axis in there[target.proxy].T], axis=1)
-                + there[image]
-            )
+            drawing_to = [np.bincount(drawn, axis, len(image)) for axis in there[drawers].T]
+            places = np.stack(drawing_to, axis=1) + there[image]
             positions, turns = body.settle(positions, places / number[:, None], STEPS)
     turned = np.einsum("ni,nij->nj", normals1, turns)
     return Registration(
@@ -136,7 +139,8 @@ class _Body:
         return positions, turns
 
 
-def _normals(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
+def vertex_normals(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
+    """Unit normals (n, 3) at the vertices; 0 where the faces around have no area."""
     sums = vertex_sums(faces, cross_products(vertices, faces), len(vertices))
     return sums / np.maximum(np.linalg.norm(sums, axis=1, keepdims=True), np.finfo(float).tiny)
 

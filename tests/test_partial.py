@@ -1,0 +1,114 @@
+"""Halves of the shipped bodies, matched with whole ones: right, and nothing on what is missing."""
+
+import numpy as np
+import pytest
+
+import mobius_match as mm
+from mobius_match import examples
+from mobius_match.geometry.geodesics import geodesic_solver
+from mobius_match.mesh.topology import components
+from mobius_match.partial import is_part, part_places
+from mobius_match.voting.agreement import agreement
+from tests.shapes import bent, grid, lump
+
+NEAR = 0.05
+"""Per diameter of the whole."""
+
+HALVES = {
+    "person, upper half": ("person", 1, 1.0),
+    "person, lower half": ("person", 1, -1.0),
+    "quadruped, half": ("quadruped", None, -1.0),
+}
+
+
+def cut(vertices, faces, axis, side):
+    """The faces on one side of the middle, across the longest axis if none is given; numbers of their vertices."""
+    axis = np.ptp(vertices, axis=0).argmax() if axis is None else axis
+    height = side * (vertices[:, axis] - vertices[:, axis].mean())
+    part = faces[(height[faces] > 0).all(axis=1)]
+    _, label = components(part)
+    part = part[label == np.bincount(label).argmax()]
+    kept = np.unique(part)
+    return vertices[kept], np.searchsorted(kept, part), kept
+
+
+@pytest.fixture(scope="module")
+def wholes():
+    return {name: tuple(mm.prepare(path) for path in examples.paths(name)) for name in examples.names()}
+
+
+@pytest.fixture(scope="module", params=HALVES)
+def half(request, wholes):
+    """A half of a body, the numbers of its vertices there, the body, and the body in its other pose."""
+    name, axis, side = HALVES[request.param]
+    whole, other = wholes[name]
+    vertices, faces, kept = cut(whole.mesh.vertices, whole.mesh.faces, axis, side)
+    return mm.prepare((vertices, faces)), kept, whole, other, name
+
+
+def true_places(name, reverse, other):
+    faces, barycentric = examples.truth(name, reverse=reverse)
+    return np.einsum("ijk,ij->ik", other.mesh.vertices[other.mesh.faces[faces]], barycentric)
+
+
+def right(surface, found, places):
+    """Share of vertices (q,) that are within 5 % of the diameter of places (q, 3), along the surface."""
+    solve = geodesic_solver(surface.mesh.vertices, surface.mesh.faces)
+    nearest = np.linalg.norm(surface.mesh.vertices[:, None] - places, axis=2).argmin(axis=0)
+    return np.mean([solve(int(a))[b] <= NEAR * surface.diameter for a, b in zip(found, nearest, strict=True)])
+
+
+def test_half_to_the_other_pose(half, wholes):
+    part, kept, _, other, name = half
+    result = mm.match(part, other)
+    assert len(result) >= 60
+    assert right(other, result.pairs[:, 1], true_places(name, False, other)[kept[result.pairs[:, 0]]]) >= 0.9
+    assert any("matched as a part" in warning for warning in result.warnings)
+
+
+def test_other_pose_to_half(half, wholes):
+    part, kept, whole, other, name = half
+    result = mm.match(other, part)
+    assert len(result) >= 20
+    places = true_places(name, True, whole)[result.pairs[:, 0]]
+    assert right(whole, kept[result.pairs[:, 1]], places) >= 0.9
+    # Nothing whose true place is on what was cut off.
+    gaps = np.linalg.norm(whole.mesh.vertices[kept][:, None] - places, axis=2).min(axis=0)
+    assert np.mean(gaps > NEAR * whole.diameter) <= 0.02
+
+
+def test_half_to_its_own_whole(half):
+    part, kept, whole, _, _ = half
+    result = mm.match(part, whole)
+    assert len(result) >= 80
+    assert right(whole, result.pairs[:, 1], whole.mesh.vertices[kept[result.pairs[:, 0]]]) >= 0.97
+
+
+@pytest.mark.parametrize("name", examples.names())
+def test_whole_surfaces_are_no_parts(name, wholes):
+    first, second = wholes[name]
+    assert not is_part(first, second) and not is_part(second, first)
+    assert part_places(first, second, 0) == (None, "")
+
+
+def test_a_part_of_nothing_there_is_matched_as_a_whole():
+    """A sheet of a ninth of the lump's area, which is nowhere flat, is found nowhere on it."""
+    vertices, faces = lump(4)
+    whole = mm.prepare((vertices, faces))
+    sheet, squares = bent(grid(16, 13))
+    sheet = sheet * np.sqrt(whole.area / 9 / 260)
+    places, note = part_places(mm.prepare((sheet, squares)), whole, 0)
+    assert places is None
+    assert "was not found on it" in note
+
+
+def test_agreement_is_the_formula():
+    generator = np.random.default_rng(0)
+    first, second = generator.random((5, 7), np.float32), generator.random((6, 9), np.float32)
+    costs = generator.random((7, 9), np.float32)
+    triplets = np.array([[0, 1, 2], [4, 2, 3]]), np.array([[5, 1, 0], [2, 3, 4]])
+    totals = np.empty(2)
+    agreement(first, second, *triplets, costs, 0.3, totals)
+    for mine, theirs, total in zip(*triplets, totals, strict=True):
+        apart = np.abs(first[mine][:, :, None] - second[theirs][:, None]).sum(axis=0) + costs
+        np.testing.assert_allclose(total, np.exp(-apart.min(axis=1) / 0.3).mean(), rtol=1e-5)
