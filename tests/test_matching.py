@@ -118,6 +118,23 @@ def test_nothing_found_says_what_to_do():
         mm.match(lump(2), tube(), preset="paper", votes=50, min_fraction=1.0, samples=30)
 
 
+def test_no_match_that_is_likely_says_what_to_do():
+    with pytest.raises(mm.NothingFoundError, match=r"likely enough.*--threshold"):
+        mm.match(lump(3), tube(), threshold=1.0)
+
+
+def test_alternatives_without_a_likely_match_are_told_without_matches():
+    """With a threshold that the chosen explanation alone reaches."""
+    pair = [mm.prepare(path) for path in examples.paths("person")]
+    every = mm.match(*pair, threshold=0.0)
+    highest = max(one.confidence.max() for one in every.alternatives)
+    assert highest < every.confidence.max()
+    result = mm.match(*pair, threshold=(highest + every.confidence.max()) / 2)
+    assert [len(one.pairs) for one in result.alternatives] == [0] * len(every.alternatives)
+    assert len(result) > 0
+    assert all(row["correspondences"] == [] for row in result.to_dict(alternatives=True)["alternatives"])
+
+
 def test_small_meshes_use_all_their_vertices_and_say_so():
     result = mm.match(lump(1), lump(1))
     assert any("only 42 vertices" in line for line in result.warnings)

@@ -67,7 +67,7 @@ def match(
     SettingsError
         If a setting is unknown or out of range.
     NothingFoundError
-        If no triplet of points gained a vote.
+        If no triplet of points gained a vote, or no match is likely enough to be right.
 
     Examples
     --------
@@ -107,6 +107,11 @@ def match(
             matches = _explained(first, second, votes, found[0], chosen)
         else:
             matches = _voted(first, second, votes, chosen)
+    if not len(matches["pairs"]):
+        raise NothingFoundError(
+            f"{first.mesh.name} and {second.mesh.name}: no match is likely enough to be right; lower --threshold, or "
+            "the shapes have too little in common"
+        )
     timings["matches"] = time.perf_counter() - begin
     timings["total"] = time.perf_counter() - start
     return Correspondence(
@@ -182,11 +187,6 @@ def _reported(
     # Two neighbours may end at one vertex; the more confident one keeps it.
     _, first = np.unique(points.nearest[kept], return_index=True)
     kept = kept[np.sort(first)]
-    if not len(kept):
-        raise NothingFoundError(
-            f"{source.mesh.name} and {target.mesh.name}: no match is likely enough to be right; lower --threshold, or "
-            "the shapes have too little in common"
-        )
     here, there, mesh = source.samples[kept], points[kept], target.mesh
     return {
         "pairs": np.stack([source.mesh.vertex_ids[here], mesh.vertex_ids[there.nearest]], axis=1),

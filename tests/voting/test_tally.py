@@ -28,9 +28,10 @@ def test_a_given_number_is_kept_to(surface):
         assert cast_votes(surface, surface, make_settings(votes=number)).n_triplets == number
 
 
-def test_what_was_drawn_until_the_end_is_what_the_same_number_gives_in_its_leaders(surface):
-    """The last round changed little: more triplets keep the leaders."""
+def test_the_number_that_was_drawn_gives_the_same_votes_and_more_keep_the_leaders(surface):
     early = cast_votes(surface, surface, make_settings())
+    again = cast_votes(surface, surface, make_settings(votes=early.n_triplets))
+    np.testing.assert_array_equal(early.matrix, again.matrix)
     late = cast_votes(surface, surface, make_settings(votes=60_000))
     leading = late.matrix.max(axis=1)
     same = early.matrix.argmax(axis=1) == late.matrix.argmax(axis=1)

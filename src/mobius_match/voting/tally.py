@@ -29,8 +29,11 @@ from .proposals import (
     uniform_triplets,
 )
 
-LEAST_BATCHES = 32
-LARGEST_BATCH = 50_000
+BATCH = 625
+"""Guided triplets in a batch."""
+
+LEAST_BATCHES, LARGEST_BATCH = 32, 50_000
+"""Uniform triplets come in at least so many batches, of at most so many."""
 
 ROUND = 8
 """Batches between two looks at whether the votes have settled, where the program chooses how many there are."""
@@ -116,8 +119,10 @@ def cast_votes(source: Surface, target: Surface, settings: MatchSettings, progre
     make_batch = _guided if settings.proposal == "guided" else _uniform
     batch, warnings = make_batch(source, target, settings)
     total = settings.number_of_votes()
-    n_batches = max(LEAST_BATCHES, -(-total // LARGEST_BATCH))
-    sizes = [total * (k + 1) // n_batches - total * k // n_batches for k in range(n_batches)]
+    # Batches of one size: what was drawn until the votes settled is what the same number of triplets gives.
+    size = BATCH if settings.proposal == "guided" else min(LARGEST_BATCH, -(-total // LEAST_BATCHES))
+    sizes = [min(size, total - start) for start in range(0, total, size)]
+    n_batches = len(sizes)
     streams = np.random.SeedSequence(settings.seed).spawn(n_batches)
     open_ended = settings.votes is None and settings.proposal == "guided"
     round_size = ROUND if open_ended else n_batches
