@@ -67,7 +67,10 @@ def constant(module: Any, name: str, value: Any) -> Patches:
 
 WITHOUT: dict[str, tuple[dict[str, Any], Patches]] = {
     "nothing left out": ({}, nullcontext),
-    "guided triplets and all that follows (uniform ones, paper's K)": ({"proposal": "uniform"}, nullcontext),
+    "guided triplets and all that follows (300,000 uniform ones, the paper's K)": (
+        {"proposal": "uniform", "votes": 300_000},
+        nullcontext,
+    ),
     "intrinsic Delaunay triangulation": ({"triangulation": "mesh"}, nullcontext),
     "heat geodesics (edge paths)": ({"geodesics": "dijkstra"}, nullcontext),
     "descriptors in the votes": ({}, constant(tally, "signature_similarity", alike)),
