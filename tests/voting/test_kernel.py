@@ -1,53 +1,67 @@
-"""The voting kernel against Algorithm 2 written once more in plain Python and numpy, exactly."""
+"""The voting kernel against Algorithm 2 written once more in plain numpy, exactly."""
 
-import cmath
 import math
 
 import numpy as np
 import pytest
 
 from mobius_match.mobius import CANONICAL_TRIANGLE, INFINITY, apply, from_three_points, homogeneous
-from mobius_match.voting.kernel import FAR, mutually_nearest, to_canonical, vote, vote_weighted
+from mobius_match.voting import nearest
+from mobius_match.voting.kernel import (
+    FAR,
+    TURN,
+    coordinates,
+    explained_pairs,
+    to_canonical,
+    vote,
+    vote_weighted,
+)
 from mobius_match.voting.proposals import uniform_triplets
+
+Y1, Y2, Y3 = (complex(y) for y in CANONICAL_TRIANGLE)
 
 
 def canonical_twin(points, triplet):
-    """Equations 3 and 4 for homogeneous points, (2, p) float32."""
-    y1, y2, y3 = (complex(y) for y in CANONICAL_TRIANGLE)
-    (p1, q1), (p2, q2), (p3, q3) = (tuple(map(complex, points[t])) for t in triplet)
-    z12, z23 = p1 * q2 - p2 * q1, p2 * q3 - p3 * q2
-    if z12 == 0 or z23 == 0 or p3 * q1 - p1 * q3 == 0:
+    """Equations 3 and 4 for homogeneous points, up to the rotation that makes y1 - y3 real, (2, p) float32."""
+    z = np.array([complex(p) if q else 1e100 for p, q in points])
+    z1, z2, z3 = (complex(z[t]) for t in triplet)
+    if len({z1, z2, z3}) < 3:
         return None
-    image = np.empty((2, len(points)), np.float32)
-    for k, (p, q) in enumerate(points.tolist()):
-        from_z1, to_z3 = p * q1 - p1 * q, p3 * q - p * q3
-        numerator = (y1 - y2) * y3 * z23 * from_z1 + (y2 - y3) * y1 * z12 * to_z3
-        denominator = (y1 - y2) * z23 * from_z1 + (y2 - y3) * z12 * to_z3
-        size = denominator.real**2 + denominator.imag**2
-        product = numerator * denominator.conjugate()
-        real = numerator.real * denominator.real + numerator.imag * denominator.imag
-        imag = numerator.imag * denominator.real - numerator.real * denominator.imag
-        assert cmath.isclose(product, complex(real, imag), rel_tol=1e-9, abs_tol=1e-300)
-        finite = size * FAR > abs(real) and size * FAR > abs(imag)
-        image[:, k] = (real / size, imag / size) if finite else (FAR, 0.0)
-    return image
+    side = abs(Y1 - Y3)
+    corner = Y3 * (side / (Y1 - Y3))
+    r = (Y1 - Y2) / (Y2 - Y3) * (z2 - z3) / (z1 - z2)
+    u, v = z - z1, z3 - z
+    with np.errstate(all="ignore"):
+        # Real arithmetic, one operation at a time: the order of rounding matters for the last digit.
+        x, y = r.real * u.real - r.imag * u.imag + v.real, r.real * u.imag + r.imag * u.real + v.imag
+        real, imag, square = v.real * x + v.imag * y, v.imag * x - v.real * y, x * x + y * y
+        finite = square * FAR > np.abs(real) + np.abs(imag)
+        scale = side / square
+        image = np.where(finite, [corner.real + real * scale, corner.imag + imag * scale], [[FAR], [0.0]])
+    return image.astype(np.float32)
 
 
 def sphere_twin(plane):
     x, y = plane.astype(np.float64)
     square = x * x + y * y
-    return np.stack([2 * x / (1 + square), 2 * y / (1 + square), (square - 1) / (1 + square)]).astype(np.float32)
+    scale = 1 / (1 + square)
+    return np.stack([2 * x * scale, 2 * y * scale, (square - 1) * scale]).astype(np.float32)
+
+
+def squared_twin(first, second):
+    """All squared distances (N1, N2); the order of summation matters for the last bit."""
+    squares = [(second[axis][None, :] - first[axis][:, None]) ** 2 for axis in range(len(first))]
+    return squares[0] + squares[1] if len(first) == 2 else (squares[0] + squares[1]) + squares[2]
 
 
 def pairs_twin(first, second):
-    """Mutually nearest pairs and their squared distances, by a dense matrix and its row and column minima."""
-    axes = (second[axis][None, :] - first[axis][:, None] for axis in range(len(first)))
-    squared = np.sum([difference * difference for difference in axes], axis=0, dtype=np.float32)
-    if len(first) == 3:  # the order of summation matters for the last bit
-        dx, dy, dz = (second[axis][None, :] - first[axis][:, None] for axis in range(3))
-        squared = (dx * dx + dy * dy) + dz * dz
-    row, column = squared.argmin(axis=1), squared.argmin(axis=0)
-    return [(k, j, squared[k, j]) for k, j in enumerate(row) if column[j] == k]
+    """Mutually nearest pairs and their squared distances: a column and its first nearest row that is not taken yet."""
+    squared = squared_twin(first, second)
+    pairs, least = {}, squared.min(axis=1)
+    for j, k in enumerate(squared.argmin(axis=0)):
+        if squared[k, j] == least[k] and k not in pairs:
+            pairs[int(k)] = j
+    return [(k, j, squared[k, j]) for k, j in pairs.items()]
 
 
 def vote_twin(points1, points2, triplets1, triplets2, least_pairs, epsilon, spherical, weigh=None):
@@ -77,6 +91,31 @@ def vote_twin(points1, points2, triplets1, triplets2, least_pairs, epsilon, sphe
         for (k, j, _), weight in zip(candidates, weights, strict=True):
             votes[k, j] += weight * (sum(weights) / len(points1)) ** power
     return votes, n_voting
+
+
+def padded(points):
+    """Points (2 or 3, N) as the search takes them: three rows, whole blocks."""
+    result = np.zeros((3, nearest.padded(points.shape[1])), np.float32)
+    result[: len(points)] = points[:, np.minimum(np.arange(result.shape[1]), points.shape[1] - 1)]
+    return result
+
+
+def search(first, second, sweep=None):
+    """The pairs that the search finds, {(row, column, squared distance)}; by a sweep or not, if it is said."""
+    (dimension, n1), n2 = first.shape, second.shape[1]
+    least, pairs = nearest.room_for_least(n1, n2), nearest.room_for_pairs(n2)
+    if sweep is None:
+        n = nearest.mutually_nearest(padded(first), n1, padded(second), n2, dimension == 3, least, pairs)
+    else:
+        least.of_rows[:], least.of_columns[:], least.nearest_rows[:] = nearest.LARGEST, nearest.LARGEST, 0
+        if sweep:
+            n = nearest.sweep(padded(first), n1, padded(second), n2, dimension == 3, least, pairs)
+        else:
+            nearest.compare_all(padded(first), n1, padded(second), dimension == 3, least)
+            n = nearest.collect(n2, least, pairs)
+    found = list(zip(*(array[:n].tolist() for array in pairs), strict=True))
+    assert len(set(found)) == n
+    return set(found)
 
 
 @pytest.fixture
@@ -115,9 +154,17 @@ def test_weighted_vote_equals_its_twin(problem, spherical):
     assert np.isfinite(totals).all()
     expected, n_expected = vote_twin(*problem, 0, 0.01, spherical, weigh)
     assert n_voting == n_expected
-    np.testing.assert_array_equal(votes > 0, expected > 0)
     np.testing.assert_array_equal(votes > 0, expected > 0)  # the same pairs, every one
-    np.testing.assert_allclose(votes, expected, rtol=1e-13)  # powers differ in the last bit
+    np.testing.assert_allclose(votes, expected, rtol=1e-12)  # powers and products differ in the last bits
+
+
+def test_explained_pairs_equal_the_twin(problem):
+    points1, points2, triplets1, triplets2 = problem
+    explained = explained_pairs(*problem)
+    for row, t1, t2 in zip(explained, triplets1, triplets2, strict=True):
+        z, w = canonical_twin(points1, t1), canonical_twin(points2, t2)
+        pairs = [] if z is None else pairs_twin(z, w)
+        assert {(k, j) for k, j in enumerate(row) if j >= 0} == {(k, j) for k, j, _ in pairs}
 
 
 def test_threshold_is_reached_by_exactly_k_pairs():
@@ -137,46 +184,101 @@ def test_doubled_point_in_a_triplet_does_not_vote():
     assert not votes.any()
 
 
-def test_to_canonical_is_the_group_element():
+def canonical(z, triplet):
+    """Images of points (p,) under the kernel's map, complex."""
+    samples = coordinates(homogeneous(z))
+    image = np.zeros((3, samples.shape[1]), np.float32)
+    assert to_canonical(samples, np.array([triplet]), 0, image)
+    np.testing.assert_array_equal(image[:, len(z) :], image[:, [len(z) - 1]] * np.ones(samples.shape[1] - len(z)))
+    return image[0, : len(z)] + 1j * image[1, : len(z)]
+
+
+def test_to_canonical_is_the_group_element_and_a_rotation():
     """The kernel's map is the one that mobius.py finds, infinity in and out included."""
     rng = np.random.default_rng(3)
     z = np.append(rng.normal(size=20) + 1j * rng.normal(size=20), INFINITY)
+    assert abs(TURN) == pytest.approx(1)
     for triplet in ([0, 5, 9], [20, 3, 4], [7, 20, 2], [1, 8, 20]):
-        image = np.empty((2, 21), np.float32)
-        assert to_canonical(homogeneous(z), np.array(triplet), image)
-        expected = apply(from_three_points(z[triplet], CANONICAL_TRIANGLE), z)
-        np.testing.assert_allclose(image[0] + 1j * image[1], expected, rtol=1e-5, atol=1e-6)
+        expected = TURN * apply(from_three_points(z[triplet], CANONICAL_TRIANGLE), z)
+        np.testing.assert_allclose(canonical(z, triplet), expected, rtol=1e-5, atol=1e-6)
 
 
 def test_two_points_that_differ_in_the_tenth_digit_stay_apart():
     """Flattened samples may be that close; the canonical frame must pull them apart, as it does in exact arithmetic."""
     z = 0.7 + np.array([0, 1e-10, 2.5e-10j, -1e-10, 0.3, 1e-10 + 1e-10j])
-    image = np.empty((2, 6), np.float32)
-    assert to_canonical(homogeneous(z), np.array([0, 1, 2]), image)
     exact = apply(from_three_points((z[:3] - 0.7) * 1e10, CANONICAL_TRIANGLE), (z - 0.7) * 1e10)
-    np.testing.assert_allclose(image[0] + 1j * image[1], exact, rtol=1e-5, atol=1e-5)
+    np.testing.assert_allclose(canonical(z, [0, 1, 2]), TURN * exact, rtol=1e-5, atol=1e-5)
 
 
 def test_a_pole_in_the_canonical_plane_is_far_and_pairs_with_another():
     """Points that go to infinity on both sides are each other's nearest."""
-    points = homogeneous(np.array([1, -1, 1j, 0.2, -0.4j]))
-    pole = apply(np.linalg.inv(from_three_points(np.array([1, -1, 1j]), CANONICAL_TRIANGLE)), np.array([INFINITY]))
-    points = np.concatenate([points, homogeneous(pole)])
-    plane = np.empty((2, 6), np.float32)
-    assert to_canonical(points, np.array([0, 1, 2]), plane)
-    assert np.hypot(*plane[:, 5].astype(float)) > 1e6
-    scratch = (np.empty(6, np.float32), np.empty(6, np.float32), np.empty(6, np.float32))
-    partner = np.empty(6, np.int32)
-    assert mutually_nearest(plane, plane, *scratch, partner) == 6
-    np.testing.assert_array_equal(partner, np.arange(6))
+    z = np.array([1, -1, 1j, 0.2, -0.4j])
+    pole = apply(np.linalg.inv(from_three_points(z[:3], CANONICAL_TRIANGLE)), np.array([INFINITY]))
+    image = canonical(np.append(z, pole), [0, 1, 2])
+    assert abs(image[5]) > 1e6
+    plane = np.stack([image.real, image.imag]).astype(np.float32)
+    assert {(k, j) for k, j, _ in search(plane, plane)} == {(k, k) for k in range(6)}
+
+
+def scattered(kind, rng, n, dimension):
+    """Points as triplets leave them: all around, in clumps, on a line across the sweep, a few at infinity."""
+    points = rng.normal(size=(2, n))
+    if kind == "clumps":
+        points = 0.002 * points + rng.normal(size=(2, 5))[:, rng.integers(0, 5, n)]
+    elif kind == "line":
+        points[0] = 0.3
+    elif kind == "tails":
+        points = points / rng.random(n) ** 3
+        points[:, 3] = FAR, 0
+    points = points.astype(np.float32)
+    return points if dimension == 2 else sphere_twin(points)
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+@pytest.mark.parametrize("kind", ["around", "clumps", "line", "tails"])
+@pytest.mark.parametrize("sizes", [(1, 1), (5, 9), (64, 33), (401, 353), (350, 500)])
+def test_search_finds_the_mutually_nearest(dimension, kind, sizes):
+    """Both ways to search find what the twin finds, squared distances to the last bit."""
+    rng = np.random.default_rng([*sizes, dimension])
+    first, second = (scattered("around" if n < 9 else kind, rng, n, dimension) for n in sizes)
+    expected = set(pairs_twin(first, second))
+    assert search(first, second) == expected
+    assert search(first, second, sweep=False) == expected
+    if min(sizes) > nearest.SEEDS:
+        assert search(first, second, sweep=True) == expected
+
+
+@pytest.mark.parametrize("sweep", [False, True])
+def test_of_equally_near_points_each_is_in_one_pair(sweep):
+    """On a coarse grid, where most points are doubled, what is found is mutually nearest and no point comes twice."""
+    rng = np.random.default_rng(5)
+    first, second = (rng.integers(-6, 6, (2, n)).astype(np.float32) for n in (200, 190))
+    found = search(first, second, sweep)
+    squared = squared_twin(first, second)
+    assert len(found) > 50
+    assert len({k for k, _, _ in found}) == len({j for _, j, _ in found}) == len(found)
+    for k, j, distance in found:
+        assert distance == squared[k, j] == squared[k].min() == squared[:, j].min()
 
 
 def test_of_equally_near_points_the_lowest_number_is_taken():
     first = np.array([[0, 0], [0, 0]], np.float32)
     second = np.array([[1, -1, 1], [0, 0, 0]], np.float32)
-    partner = np.empty(2, np.int32)
-    n = mutually_nearest(
-        first, second, np.empty(3, np.float32), np.empty(2, np.float32), np.empty(3, np.float32), partner
-    )
-    assert n == 1
-    np.testing.assert_array_equal(partner, [0, -1])
+    assert search(first, second) == {(0, 0, 1.0)}
+
+
+def test_many_samples_vote_as_their_twin():
+    """From this number on the kernel sweeps."""
+    rng = np.random.default_rng(2)
+    n = nearest.SWEEP_FROM + 1
+    z = rng.normal(size=n) + 1j * rng.normal(size=n)
+    w = apply(np.array([[1.0, 0.3j], [0.2, 1.1]]), z + 0.01 * rng.normal(size=n))
+    triplets = uniform_triplets(rng, 20, n, n)
+    points = homogeneous(z), homogeneous(w)
+    for spherical in (False, True):
+        votes = np.zeros((n, n))
+        n_voting = vote(*points, *triplets, 5, 0.01, spherical, votes)
+        expected, n_expected = vote_twin(*points, *triplets, 5, 0.01, spherical)
+        assert n_voting == n_expected > 0
+        np.testing.assert_array_equal(votes > 0, expected > 0)
+        np.testing.assert_allclose(votes, expected, rtol=1e-12)  # energies are summed in another order

@@ -2,151 +2,125 @@
 
 :func:`vote` is Algorithm 2 line by line; the functions before it are its lines. :func:`vote_weighted` differs in what a
 vote is worth. All of them take arrays and numbers only. Points of the extended plane come as homogeneous pairs (p, q),
-z = p / q, so that infinity (1, 0) needs no case of its own.
+z = p / q; infinity is (1, 0).
 """
 
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
-import numba
 import numpy as np
 
 from ..mobius import CANONICAL_TRIANGLE
+from .nearest import Least, Pairs, mutually_nearest, padded, room_for_least, room_for_pairs
+from .nearest import jit as jit
 
-jit = numba.njit(cache=True, nogil=True, error_model="numpy")
+INFINITE = 1e100  # stands for infinity among the samples: less any other sample it is the same, to the last digit
+FAR = 1e15  # stands for infinity in the canonical plane; its square still fits a float32
 
 Y1, Y2, Y3 = (complex(y) for y in CANONICAL_TRIANGLE)
-LARGEST = np.int32(np.iinfo(np.int32).max)
-FAR = 1e15  # stands for infinity in the canonical plane; its square still fits a float32
+SIDE = abs(Y1 - Y3)
+TURN = SIDE / (Y1 - Y3)
+"""The canonical triangle is turned so that y1 - y3 is real, which spares products and leaves all distances."""
+CORNER = Y3 * TURN
+RATIO = (Y1 - Y2) / (Y2 - Y3)
 
 
 @jit
-def to_canonical(points: np.ndarray, triplet: np.ndarray, image: np.ndarray) -> bool:
+def coordinates(points: np.ndarray) -> np.ndarray:
+    """Homogeneous points (N, 2) as the real and imaginary parts of z, (2, padded)."""
+    result = np.empty((2, padded(len(points))))
+    for k in range(result.shape[1]):
+        p, q = points[min(k, len(points) - 1), 0], points[min(k, len(points) - 1), 1]
+        z = p / q if q != 0 else complex(INFINITE, 0)
+        result[0, k], result[1, k] = z.real, z.imag
+    return result
+
+
+@jit
+def corners(triplets: np.ndarray, i: int) -> tuple[int, int, int]:
+    """The samples of a triplet."""
+    return triplets[i, 0], triplets[i, 1], triplets[i, 2]
+
+
+@jit
+def to_canonical(points: np.ndarray, triplets: np.ndarray, i: int, image: np.ndarray) -> bool:
     """Apply the map m with m(z_j) = y_j (equations 3 and 4) to all points; False if two of the z_j are equal.
 
-    The map to 0, 1, infinity is written with differences of points, which are exact, and followed by the inverse of the
-    same map of the y_j: samples may differ by 1e-10 of the plane's extent.
+    Only differences of points are used, which are exact: samples may differ by 1e-10 of the plane's extent. With
+    u = z - z_1, v = z_3 - z and r = (y_1 - y_2) / (y_2 - y_3) * z_23 / z_12, m(z) = y_3 + (y_1 - y_3) v / (r u + v).
     """
-    p1, q1 = points[triplet[0], 0], points[triplet[0], 1]
-    p2, q2 = points[triplet[1], 0], points[triplet[1], 1]
-    p3, q3 = points[triplet[2], 0], points[triplet[2], 1]
-    z12, z23, z31 = p1 * q2 - p2 * q1, p2 * q3 - p3 * q2, p3 * q1 - p1 * q3
+    one, two, three = corners(triplets, i)
+    x1, y1 = points[0, one], points[1, one]
+    x2, y2 = points[0, two], points[1, two]
+    x3, y3 = points[0, three], points[1, three]
+    z12, z23, z31 = complex(x1 - x2, y1 - y2), complex(x2 - x3, y2 - y3), complex(x3 - x1, y3 - y1)
     if z12 == 0 or z23 == 0 or z31 == 0:
         return False
-    a, b, c, d = (Y1 - Y2) * Y3 * z23, (Y2 - Y3) * Y1 * z12, (Y1 - Y2) * z23, (Y2 - Y3) * z12
-    for k in range(len(points)):
-        p, q = points[k, 0], points[k, 1]
-        from_z1, to_z3 = p * q1 - p1 * q, p3 * q - p * q3
-        numerator = a * from_z1 + b * to_z3
-        denominator = c * from_z1 + d * to_z3
-        size = denominator.real**2 + denominator.imag**2
-        real = numerator.real * denominator.real + numerator.imag * denominator.imag
-        imag = numerator.imag * denominator.real - numerator.real * denominator.imag
-        if size * FAR > abs(real) and size * FAR > abs(imag):
-            image[0, k], image[1, k] = real / size, imag / size
-        else:
-            image[0, k], image[1, k] = FAR, 0.0
+    r = RATIO * z23 / z12
+    for k in range(points.shape[1]):
+        ux, uy = points[0, k] - x1, points[1, k] - y1
+        vx, vy = x3 - points[0, k], y3 - points[1, k]
+        dx, dy = r.real * ux - r.imag * uy + vx, r.real * uy + r.imag * ux + vy
+        real, imag, square = vx * dx + vy * dy, vy * dx - vx * dy, dx * dx + dy * dy
+        scale = SIDE / square
+        finite = square * FAR > abs(real) + abs(imag)
+        image[0, k] = CORNER.real + real * scale if finite else FAR
+        image[1, k] = CORNER.imag + imag * scale if finite else 0.0
     return True
 
 
 @jit
-def to_sphere(plane: np.ndarray, sphere: np.ndarray) -> None:
-    """Stereographic projection of canonical points (2, p) to the unit sphere (3, p)."""
-    for k in range(plane.shape[1]):
-        x, y = np.float64(plane[0, k]), np.float64(plane[1, k])
+def to_sphere(points: np.ndarray) -> None:
+    """Stereographic projection of canonical points, in place, to the unit sphere."""
+    for k in range(points.shape[1]):
+        x, y = np.float64(points[0, k]), np.float64(points[1, k])
         square = x * x + y * y
-        sphere[0, k] = 2 * x / (1 + square)
-        sphere[1, k] = 2 * y / (1 + square)
-        sphere[2, k] = (square - 1) / (1 + square)
+        scale = 1 / (1 + square)
+        points[0, k], points[1, k], points[2, k] = 2 * x * scale, 2 * y * scale, (square - 1) * scale
+
+
+class Workspace(NamedTuple):
+    """Room for one triplet's images, and for the search for nearest neighbours and its result."""
+
+    image1: np.ndarray
+    image2: np.ndarray
+    least: Least
+    pairs: Pairs
 
 
 @jit
-def mutually_nearest(
-    first: np.ndarray,
-    second: np.ndarray,
-    row: np.ndarray,
-    row_least: np.ndarray,
-    column_least: np.ndarray,
-    partner: np.ndarray,
-) -> int:
-    """Pair the points of ``first`` (2 or 3, N1) and ``second`` (2 or 3, N2) that are each other's nearest.
-
-    Writes to ``partner`` (N1,) int32 the paired point of ``second``, -1 for none, and to ``row_least`` (N1,) the
-    squared distance; returns the number of pairs. ``row`` (N2,) and ``column_least`` (N2,) are scratch. Of equally near
-    points the lowest number is the nearest.
-    """
-    # Squared distances are not negative, so their bits order as integers, whose minima use vector instructions.
-    bits, rows, columns = row.view(np.int32), row_least.view(np.int32), column_least.view(np.int32)
-    xs, ys, zs = second[0], second[1], second[-1]
-    columns[:] = LARGEST
-    for k in range(first.shape[1]):
-        x, y, z = first[0, k], first[1, k], first[-1, k]
-        if len(first) == 2:
-            for j in range(len(row)):
-                dx, dy = xs[j] - x, ys[j] - y
-                row[j] = dx * dx + dy * dy
-        else:
-            for j in range(len(row)):
-                dx, dy, dz = xs[j] - x, ys[j] - y, zs[j] - z
-                row[j] = dx * dx + dy * dy + dz * dz
-        least = LARGEST
-        for j in range(len(row)):
-            least = min(least, bits[j])
-            columns[j] = min(columns[j], bits[j])
-        nearest = LARGEST
-        for j in range(len(row)):
-            nearest = min(nearest, np.int32(j) if bits[j] == least else LARGEST)
-        rows[k] = least
-        partner[k] = nearest
-    n_pairs = 0
-    for k in range(len(partner)):
-        j = partner[k]
-        if rows[k] == columns[j]:
-            columns[j] = -1  # taken
-            n_pairs += 1
-        else:
-            partner[k] = -1
-    return n_pairs
-
-
-@jit
-def scratch(n1: int, n2: int) -> tuple[np.ndarray, ...]:
-    """Room for one triplet's images in the plane and on the sphere, and for the search for nearest neighbours."""
-    return (
-        np.empty((2, n1), np.float32),
-        np.empty((2, n2), np.float32),
-        np.empty((3, n1), np.float32),
-        np.empty((3, n2), np.float32),
-        np.empty(n2, np.float32),
-        np.empty(n2, np.float32),
-    )
+def workspace(n1: int, n2: int) -> Workspace:
+    """Scratch for sets of n1 and n2 points."""
+    image1, image2 = np.zeros((3, padded(n1)), np.float32), np.zeros((3, padded(n2)), np.float32)
+    return Workspace(image1, image2, room_for_least(n1, n2), room_for_pairs(n2))
 
 
 @jit
 def candidates(
     points1: np.ndarray,
+    n1: int,
     points2: np.ndarray,
-    triplet1: np.ndarray,
-    triplet2: np.ndarray,
+    n2: int,
+    triplets1: np.ndarray,
+    triplets2: np.ndarray,
+    i: int,
     spherical: bool,
-    space: tuple[np.ndarray, ...],
-    squared: np.ndarray,
-    partner: np.ndarray,
+    space: Workspace,
 ) -> int:
     """The candidate correspondence c of a triplet: move both sets to the canonical domain, pair the mutually nearest.
 
-    Writes ``partner`` and ``squared`` as :func:`mutually_nearest` does, and returns the number n of pairs; -1 where
-    the triplet has no transformation.
+    Writes ``space.pairs`` and returns the number n of pairs; -1 where the triplet has no transformation.
     """
-    plane1, plane2, sphere1, sphere2, row, column_least = space
-    if not to_canonical(points1, triplet1, plane1) or not to_canonical(points2, triplet2, plane2):
+    image1, image2, least, pairs = space
+    if not to_canonical(points1, triplets1, i, image1) or not to_canonical(points2, triplets2, i, image2):
         return -1
     if spherical:
-        to_sphere(plane1, sphere1)
-        to_sphere(plane2, sphere2)
-        return mutually_nearest(sphere1, sphere2, row, squared, column_least, partner)
-    return mutually_nearest(plane1, plane2, row, squared, column_least, partner)
+        to_sphere(image1)
+        to_sphere(image2)
+        return mutually_nearest(image1, n1, image2, n2, True, least, pairs)
+    return mutually_nearest(image1, n1, image2, n2, False, least, pairs)
 
 
 @jit
@@ -192,22 +166,37 @@ def vote(
     int
         How many triplets voted.
     """
-    n1 = len(points1)
-    space = scratch(n1, len(points2))
-    squared, partner = np.empty(n1, np.float32), np.empty(n1, np.int32)
+    n1, n2 = len(points1), len(points2)
+    samples1, samples2 = coordinates(points1), coordinates(points2)
+    space = workspace(n1, n2)
+    rows, columns, squared = space.pairs
     n_voting = 0
     for i in range(len(triplets1)):
-        n = candidates(points1, points2, triplets1[i], triplets2[i], spherical, space, squared, partner)
+        n = candidates(samples1, n1, samples2, n2, triplets1, triplets2, i, spherical, space)
         if n >= least_pairs:
             energy = 0.0
-            for k in range(n1):
-                if partner[k] >= 0:
-                    energy += deformation(squared[k], spherical)
-            for k in range(n1):
-                if partner[k] >= 0:
-                    votes[k, partner[k]] += 1 / (epsilon + energy / n)
+            for pair in range(n):
+                energy += deformation(squared[pair], spherical)
+            for pair in range(n):
+                votes[rows[pair], columns[pair]] += 1 / (epsilon + energy / n)
             n_voting += 1
     return n_voting
+
+
+@jit
+def disagreement(
+    geodesics1: np.ndarray,
+    triplet1: tuple[int, int, int],
+    k: int,
+    geodesics2: np.ndarray,
+    triplet2: tuple[int, int, int],
+    j: int,
+) -> float:
+    """Mean difference of the distances of samples k and j to the points of the triplet on either side."""
+    first = abs(geodesics1[triplet1[0], k] - geodesics2[triplet2[0], j])
+    second = abs(geodesics1[triplet1[1], k] - geodesics2[triplet2[1], j])
+    third = abs(geodesics1[triplet1[2], k] - geodesics2[triplet2[2], j])
+    return (first + second + third) * (1 / 3)
 
 
 @jit
@@ -247,29 +236,29 @@ def vote_weighted(
 
     The other parameters, and what is returned, are those of :func:`vote`.
     """
-    n1 = len(points1)
-    space = scratch(n1, len(points2))
-    squared, partner, weight = np.empty(n1, np.float32), np.empty(n1, np.int32), np.zeros(n1)
+    n1, n2 = len(points1), len(points2)
+    samples1, samples2 = coordinates(points1), coordinates(points2)
+    space = workspace(n1, n2)
+    rows, columns, _ = space.pairs
+    weight = np.empty(n2)
     n_voting = 0
     totals[:] = 0.0
     for i in range(len(triplets1)):
-        n = candidates(points1, points2, triplets1[i], triplets2[i], spherical, space, squared, partner)
+        n = candidates(samples1, n1, samples2, n2, triplets1, triplets2, i, spherical, space)
         if n >= least_pairs:
+            # The gathering first and alone: it overlaps, a call of exp between would keep it from that.
+            triplet1, triplet2 = corners(triplets1, i), corners(triplets2, i)
+            for pair in range(n):
+                k, j = rows[pair], columns[pair]
+                weight[pair] = disagreement(geodesics1, triplet1, k, geodesics2, triplet2, j) * (1 / scale)
             total = 0.0
-            for k in range(n1):
-                if partner[k] >= 0:
-                    difference = 0.0
-                    for corner in range(3):
-                        here = geodesics1[triplets1[i, corner], k]
-                        there = geodesics2[triplets2[i, corner], partner[k]]
-                        difference += abs(here - there) / 3
-                    weight[k] = similarity[k, partner[k]] * math.exp(-((difference / scale) ** 2))
-                    total += weight[k]
+            for pair in range(n):
+                weight[pair] = similarity[rows[pair], columns[pair]] * math.exp(-(weight[pair] ** 2))
+                total += weight[pair]
             totals[i] = total
             worth = (total / n1) ** power
-            for k in range(n1):
-                if partner[k] >= 0:
-                    votes[k, partner[k]] += weight[k] * worth
+            for pair in range(n):
+                votes[rows[pair], columns[pair]] += weight[pair] * worth
             n_voting += 1
     return n_voting
 
@@ -282,9 +271,12 @@ def explained_pairs(
 
     Parameters are those of :func:`vote`; the nearest in the plane are meant.
     """
-    n1 = len(points1)
-    space, squared = scratch(n1, len(points2)), np.empty(n1, np.float32)
-    pairs = np.full((len(triplets1), n1), np.int32(-1))
+    n1, n2 = len(points1), len(points2)
+    samples1, samples2 = coordinates(points1), coordinates(points2)
+    space = workspace(n1, n2)
+    explained = np.full((len(triplets1), n1), np.int32(-1))
     for i in range(len(triplets1)):
-        candidates(points1, points2, triplets1[i], triplets2[i], False, space, squared, pairs[i])
-    return pairs
+        n = candidates(samples1, n1, samples2, n2, triplets1, triplets2, i, False, space)
+        for pair in range(n):
+            explained[i, space.pairs.rows[pair]] = space.pairs.columns[pair]
+    return explained

@@ -1,0 +1,157 @@
+"""Microseconds that the voting kernel takes for a triplet, beside plain loops and whole numpy arrays.
+
+    python benchmarks/kernel.py [N ...]
+
+The samples are those of the shipped person, the triplets the paper's uniform ones, and all figures of a table come from
+one run: the versions take turns, and the least time of all turns counts.
+"""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+
+import numba
+import numpy as np
+import plain_kernel
+
+import mobius_match as mm
+from mobius_match import examples
+from mobius_match.mobius import homogeneous
+from mobius_match.voting import kernel, nearest
+from mobius_match.voting.proposals import uniform_triplets
+from mobius_match.voting.tally import DEFAULT_MIN_FRACTION, WEIGHT_POWER, WEIGHT_SCALE
+
+VERSIONS = ("kernel", "spherical", "weighed", "plain", "numpy")
+SIZES = (50, 100, 200, 500, 1000)
+TURNS = 100
+SECONDS = 0.003
+"""What one batch in one thread should take, about: so little that other work on the machine misses some."""
+
+Batch = Callable[[slice], int]
+
+
+def versions(surfaces: list[mm.Surface], n: int, n_triplets: int) -> dict[str, Batch]:
+    """The kernels on the first n samples, each a function of which triplets to evaluate."""
+    points = [surface.positions[:n] for surface in surfaces]
+    triplets = uniform_triplets(np.random.default_rng(0), n_triplets, n, n)
+    least_pairs, epsilon = int(DEFAULT_MIN_FRACTION * n), 0.01
+    planes = [homogeneous(z) for z in points]
+    geodesics = [surface.normalized_distances[:n, :n].copy() for surface in surfaces]
+    similarity = np.random.default_rng(1).random((n, n))
+
+    def uniform(part: slice) -> int:
+        mine = [side[part] for side in triplets]
+        return kernel.vote(*planes, *mine, least_pairs, epsilon, False, np.zeros((n, n)))
+
+    def spherical(part: slice) -> int:
+        mine = [side[part] for side in triplets]
+        return kernel.vote(*planes, *mine, least_pairs, epsilon, True, np.zeros((n, n)))
+
+    def weighed(part: slice) -> int:
+        mine = [side[part] for side in triplets]
+        totals, votes = np.empty(len(mine[0])), np.zeros((n, n))
+        weights = (*geodesics, similarity, WEIGHT_SCALE, WEIGHT_POWER)
+        return kernel.vote_weighted(*planes, *mine, *weights, 0, False, votes, totals)
+
+    def plain(part: slice) -> int:
+        mine = [side[part] for side in triplets]
+        return plain_kernel.vote(*points, *mine, least_pairs, epsilon, np.zeros((n, n)))
+
+    def in_numpy(part: slice) -> int:
+        mine = [side[part] for side in triplets]
+        return plain_kernel.vote_numpy(*points, *mine, least_pairs, epsilon, np.zeros((n, n)))
+
+    return dict(zip(VERSIONS, (uniform, spherical, weighed, plain, in_numpy), strict=True))
+
+
+def seconds(batch: Batch, n_triplets: int, threads: int) -> float:
+    """Time of one triplet where each thread evaluates as many."""
+    with ThreadPoolExecutor(threads) as pool:
+        parts = [slice(thread * n_triplets, (thread + 1) * n_triplets) for thread in range(threads)]
+        list(pool.map(lambda part: batch(slice(part.start, part.start + 1)), parts))  # threads are started
+        start = time.perf_counter()
+        list(pool.map(batch, parts))
+        return (time.perf_counter() - start) / (threads * n_triplets)
+
+
+def measure(batches: dict[str, Batch], most: int) -> dict[tuple[str, int], float]:
+    """Least microseconds a triplet of each version in one and two threads."""
+    counts = {}
+    for name, batch in batches.items():
+        batch(slice(0, 2))  # compiled
+        counts[name] = 2
+        for _ in range(4):  # what a call costs beside its triplets counts less and less
+            counts[name] = min(most // 2, max(2, int(SECONDS / seconds(batch, counts[name], 1))))
+    times = {(name, threads): np.inf for name in batches for threads in (1, 2)}
+    for _ in range(TURNS):
+        for name, threads in times:
+            if name != "numpy" or threads == 1:  # holds the lock of Python
+                found = seconds(batches[name], counts[name], threads)
+                times[name, threads] = min(times[name, threads], 1e6 * found)
+    return times
+
+
+@numba.njit(error_model="numpy")
+def search(
+    samples1: np.ndarray, samples2: np.ndarray, n: int, triplets: tuple, space: kernel.Workspace, all_of_them: bool
+):
+    """Map the points of each triplet and find the mutually nearest, by comparing all or by a sweep."""
+    image1, image2, least, pairs = space
+    n_pairs = 0
+    for i in range(len(triplets[0])):
+        kernel.to_canonical(samples1, triplets[0], i, image1)
+        kernel.to_canonical(samples2, triplets[1], i, image2)
+        least.of_rows[:] = nearest.LARGEST
+        least.of_columns[:] = nearest.LARGEST
+        least.nearest_rows[:] = 0
+        if all_of_them:
+            nearest.compare_all(image1, n, image2, False, least)
+            n_pairs += nearest.collect(n, least, pairs)
+        else:
+            n_pairs += nearest.sweep(image1, n, image2, n, False, least, pairs)
+    return n_pairs
+
+
+def crossover(surfaces: list[mm.Surface]) -> None:
+    """Print what comparing all points and sweeping cost, where one takes over from the other."""
+    print(f"\nmicroseconds of one search for nearest neighbours (the kernel sweeps from {nearest.SWEEP_FROM})")
+    print("   N  all with all     sweep")
+    for n in (100, 200, 250, 300, 350, 400, 500, 700, 1000):
+        samples = [kernel.coordinates(homogeneous(surface.positions[:n])) for surface in surfaces]
+        triplets = uniform_triplets(np.random.default_rng(0), 100, n, n)
+        best = []
+        for all_of_them in (True, False):
+            times = []
+            for _ in range(1 + TURNS // 5):
+                start = time.perf_counter()
+                search(*samples, n, triplets, kernel.workspace(n, n), all_of_them)
+                times.append(1e6 * (time.perf_counter() - start) / 100)
+            best.append(min(times[1:]))
+        print(f"{n:5} {best[0]:13.1f} {best[1]:9.1f}", flush=True)
+
+
+def main() -> None:
+    sizes = [int(argument) for argument in sys.argv[1:]] or list(SIZES)
+    surfaces = [mm.prepare(path, samples=max(*sizes, 1000)) for path in examples.paths("person")]
+    print("microseconds a triplet; in brackets how many times the kernel's, and one thread's time over two's")
+    print("   N  threads   kernel      spherical         weighed           plain loops         numpy")
+    for n in sizes:
+        times = measure(versions(surfaces, n, 40_000), 40_000)
+        for threads in (1, 2):
+            reference = times["kernel", threads]
+            cells = [f"{reference:8.2f}   "]
+            cells += [
+                f"{times[name, threads]:10.2f} ({times[name, threads] / reference:5.1f})"
+                for name in VERSIONS[1:]
+                if np.isfinite(times[name, threads])
+            ]
+            gains = [f"{name} {times[name, 1] / times[name, 2]:.2f}" for name in ("kernel", "weighed", "plain")]
+            print(f"{n:5} {threads:6} {' '.join(cells)} {'  ' + ', '.join(gains) if threads == 2 else ''}", flush=True)
+    crossover(surfaces)
+
+
+if __name__ == "__main__":
+    main()
