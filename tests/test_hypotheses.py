@@ -7,7 +7,9 @@ import mobius_match as mm
 from mobius_match import examples
 from mobius_match.hypotheses import (
     WEIGHTS,
+    Explanation,
     compare,
+    contested,
     explanations,
     finer_targets,
     group_triplets,
@@ -88,3 +90,20 @@ def test_uniform_votes_have_no_explanations():
     result = mm.match(lump(2), lump(2), preset="paper", votes=2000, samples=20)
     assert result.alternatives == ()
     assert len(result.votes.totals) == 0
+
+
+def test_contenders_are_compared_once_more_by_how_much_they_stretch(surface):
+    """A map to places that are mixed up locally stretches; though it was a little better before, it loses."""
+    generator = np.random.default_rng(0)
+    vertices = surface.mesh.vertices[surface.proxy]
+    near = np.linalg.norm(vertices[:, None] - vertices, axis=2).argsort(axis=1)[:, :60]
+    mixed = surface.proxy[near[np.arange(len(near)), generator.integers(60, size=len(near))]]
+    turned = surface.proxy[np.linalg.norm(vertices[:, None] + vertices, axis=2).argmin(axis=1)]
+    right = Explanation(surface.proxy, {}, 1.1, 0.4)
+    rivals = [Explanation(turned, {}, 1.0, 0.5), right, Explanation(mixed, {}, 3.0, 0.1)]
+    judged = contested(surface, surface, rivals)
+    assert judged[0].image is right.image
+    assert judged[0].evidence["stretch"] < judged[1].evidence["stretch"]
+    assert judged[0].registration is judged[0].registered(surface, surface)
+    assert judged[2] is rivals[2], "too far behind to be looked at"
+    assert contested(surface, surface, rivals[:1]) == rivals[:1]

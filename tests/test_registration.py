@@ -1,11 +1,13 @@
 """The bent source: a copy stays where it is, blur and errors are mended, and a joint is bent."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 import mobius_match as mm
 from mobius_match import examples
-from mobius_match.registration import register
+from mobius_match.registration import register, stretching
 from tests.shapes import lump, rotation
 
 
@@ -53,3 +55,22 @@ def test_another_pose_is_met_more_closely_than_by_the_map_it_began_with():
     assert np.linalg.norm(found.positions - places, axis=1).mean() / scale < 0.6 * before
     assert found.misfit.mean() < 0.01
     assert found.turn.mean() < 0.1
+
+
+def test_a_piece_that_the_map_tears_off_follows_the_body(surface):
+    """A cap sent to the opposite end comes back to where it belongs."""
+    places = surface.mesh.vertices[surface.proxy]
+    height = places @ np.array([0.0, 0.0, 1.0])
+    start = surface.proxy.copy()
+    cap = height > np.quantile(height, 0.9)
+    start[cap] = surface.proxy[height.argmin()]
+    found = register(surface, surface, start)
+    assert cap.sum() > 50
+    assert np.linalg.norm(surface.mesh.vertices[found.image] - places, axis=1).max() < 0.1 * np.sqrt(surface.area)
+
+
+def test_stretching_is_that_of_the_edges(surface):
+    found = register(surface, surface, surface.proxy)
+    assert stretching(surface, surface, found) == pytest.approx(0.0, abs=1e-3)
+    bent = replace(found, positions=found.positions * np.e)
+    assert stretching(surface, surface, bent) == pytest.approx(1.0, abs=0.01)

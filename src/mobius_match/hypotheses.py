@@ -17,6 +17,7 @@ from .geometry.spectral import functional_map
 from .geometry.transport import Transport
 from .matrix_processing import max_row_column
 from .mobius import homogeneous
+from .registration import Registration, register, stretching
 from .surface import Surface
 from .voting import Votes
 from .voting.kernel import explained_pairs
@@ -43,6 +44,11 @@ COMPARED = 20
 WEIGHTS = {"distances": 5.0, "laplacian": 3.0, "mean curvature": 1.0, "gauss curvature": 3.0, "votes": 2.0}
 """What each kind of evidence counts."""
 
+CONTEST, STRETCH = 1.0, 20.0
+"""Difference of badness up to which explanations are compared once more, and what stretching counts then."""
+
+CONTENDERS = 4
+
 
 @dataclass(frozen=True, eq=False)
 class Explanation:
@@ -58,12 +64,19 @@ class Explanation:
         The weighted sum of the evidence; the smallest wins.
     share
         The part of the best triplets that tell this explanation.
+    registration
+        The source bent along it, if that has been done.
     """
 
     image: np.ndarray
     evidence: dict[str, float]
     badness: float
     share: float
+    registration: Registration | None = None
+
+    def registered(self, source: Surface, target: Surface) -> Registration:
+        """The source bent onto the target along this explanation."""
+        return self.registration or register(source, target, finer_targets(source, target, self, source.proxy))
 
 
 def explanations(source: Surface, target: Surface, votes: Votes) -> list[Explanation]:
@@ -85,6 +98,24 @@ def explanations(source: Surface, target: Surface, votes: Votes) -> list[Explana
         badness = sum(WEIGHTS[kind] * value for kind, value in evidence.items())
         found.append(Explanation(target.proxy[image], evidence, badness, len(group) / len(pairs)))
     return sorted(found, key=lambda explanation: explanation.badness)
+
+
+def contested(source: Surface, target: Surface, found: list[Explanation]) -> list[Explanation]:
+    """Explanations, best first, after those that are close have been compared once more: by how much they stretch.
+
+    What is right on the whole and wrong at a limb shows when the surface is bent, which takes long; so only contenders
+    are. Their badness changes by how much more they stretch than the first of them.
+    """
+    rivals = [one for one in found[:CONTENDERS] if one.badness - found[0].badness <= CONTEST]
+    if len(rivals) < 2:
+        return found
+    judged: list[Explanation] = []
+    for one in rivals:
+        registration = one.registered(source, target)
+        evidence = one.evidence | {"stretch": stretching(source, target, registration)}
+        more = evidence["stretch"] - (judged or [one])[0].evidence.get("stretch", evidence["stretch"])
+        judged.append(Explanation(one.image, evidence, one.badness + STRETCH * more, one.share, registration))
+    return sorted(judged + found[len(rivals) :], key=lambda explanation: explanation.badness)
 
 
 def group_triplets(pairs: np.ndarray, distances: np.ndarray, totals: np.ndarray) -> list[np.ndarray]:

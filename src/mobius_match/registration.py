@@ -3,7 +3,8 @@
 Beyond the paper. A map of few eigenfunctions is right at large and blurred at small. So the source's proxy, joined to a
 graph, is moved to where its map says, while every neighbourhood only turns (as-rigid-as-possible energy, Sorkine and
 Alexa 2007), and then again and again to the nearest points of the target by place, normal and eigenfunctions together,
-each time with more trust in the places. Points of the target draw as well, so that no part of it is left over.
+each time with more trust in the places. Points of the target draw as well, so that no part of it is left over. Pieces
+that the map tears off (a hand sent to the other arm) are not believed: they follow the body.
 """
 
 from __future__ import annotations
@@ -12,6 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import scipy.sparse as sp
+from scipy.sparse.csgraph import connected_components
 
 from .geometry.laplacian import factorized
 from .geometry.spectral import functional_map, nearest_rows
@@ -30,6 +32,12 @@ SETTLING, STEPS = 6, 2
 NORMAL, SPECTRAL = 0.15, 0.02
 """How much normals and eigenfunctions count in the nearest point, against places per sqrt(area)."""
 
+TEAR = 0.1
+"""How much longer than the edge its image is, per sqrt(area), where the map is torn."""
+
+BELIEVED = 0.1
+"""Trust above which torn pieces count like others: they have had their chance to find where they belong."""
+
 CANDIDATES = 10_000
 """Vertices of the target that the nearest are looked for among, at most."""
 
@@ -46,6 +54,8 @@ class Registration:
         (P1, 3) float64: where the bent proxy lies, in the target's coordinates.
     misfit
         (P1,) float64: how far it lies from its image, per sqrt(area).
+    rotations
+        (P1, 3, 3) float64: how rows of coordinates around each vertex have turned.
     turn
         (P1,) float64: 1 - cosine of the angle between its turned normal and the target's.
     """
@@ -53,6 +63,7 @@ class Registration:
     image: np.ndarray
     positions: np.ndarray
     misfit: np.ndarray
+    rotations: np.ndarray
     turn: np.ndarray
 
 
@@ -78,30 +89,41 @@ def register(source: Surface, target: Surface, image: np.ndarray, *, whole: bool
     some = _candidates(target)
     goals = _features(there[some], normals2[some], spectral2[some])
     drawing = np.searchsorted(some, drawers)
-    body = _Body(here[source.proxy], source.proxy_edges)
+    body = Body(here[source.proxy], source.proxy_edges)
     places, positions, turns = there[image], there[image], np.empty(0)
+    held = body.largest_piece(places)
     for trust in TRUST:
-        body.weigh(trust)
         if trust == TRUST[0]:
-            positions, turns = body.settle(positions, places, SETTLING)
+            positions, turns = body.settle(positions, places, trust * held, SETTLING)
             continue
         for _ in range(ROUNDS):
-            transfer = functional_map(spectral1, spectral2[image])
+            transfer = functional_map(spectral1[held], spectral2[image[held]])
             turned = np.einsum("ni,nij->nj", normals1, turns)
             seekers = _features(positions, turned, spectral1 @ transfer)
             image = some[nearest_rows(seekers, goals)]
             drawn = nearest_rows(goals[drawing], seekers)
             number = 1 + np.bincount(drawn, minlength=len(image))
             drawing_to = [np.bincount(drawn, axis, len(image)) for axis in there[drawers].T]
-            places = np.stack(drawing_to, axis=1) + there[image]
-            positions, turns = body.settle(positions, places / number[:, None], STEPS)
+            places = (np.stack(drawing_to, axis=1) + there[image]) / number[:, None]
+            held = body.largest_piece(there[image]) if trust <= BELIEVED else np.ones(len(image), bool)
+            positions, turns = body.settle(positions, places, trust * held, STEPS)
     turned = np.einsum("ni,nij->nj", normals1, turns)
     return Registration(
         image,
         positions * np.sqrt(target.area) + centre,
         np.linalg.norm(positions - there[image], axis=1),
+        turns,
         1 - np.einsum("ij,ij->i", turned, normals2[image]),
     )
+
+
+def stretching(source: Surface, target: Surface, registration: Registration) -> float:
+    """How much the edges of the proxy are stretched or pressed: the mean of the logarithm's absolute value."""
+    start, end = source.proxy_edges.T
+    rest, bent = source.mesh.vertices[source.proxy], registration.positions
+    before, after = (np.linalg.norm(points[start] - points[end], axis=1) for points in (rest, bent))
+    before, after = before / np.sqrt(source.area) + 1e-6, after / np.sqrt(target.area) + 1e-6
+    return float(np.abs(np.log(after / before)).mean())
 
 
 def _features(places: np.ndarray, normals: np.ndarray, spectral: np.ndarray) -> np.ndarray:
@@ -109,7 +131,7 @@ def _features(places: np.ndarray, normals: np.ndarray, spectral: np.ndarray) -> 
     return np.concatenate([places, NORMAL * normals, SPECTRAL * spectral], axis=1).astype(np.float32)
 
 
-class _Body:
+class Body:
     """A graph of points (p, 3) with edges (E, 2), of which each neighbourhood would rather turn than change."""
 
     def __init__(self, rest: np.ndarray, edges: np.ndarray) -> None:
@@ -121,13 +143,23 @@ class _Body:
             (ones, (self._start, self._end)), shape=(size, size)
         )
 
-    def weigh(self, trust: float) -> None:
-        """Set how much the places count."""
-        self._trust = trust
-        self._factors = factorized(self._laplacian + trust * sp.eye(self._laplacian.shape[0]))
+    def largest_piece(self, images: np.ndarray) -> np.ndarray:
+        """Which points (p,) bool are in the largest piece that images (p, 3) leave whole."""
+        lengths = np.linalg.norm(images[self._start] - images[self._end], axis=1)
+        kept = lengths < np.linalg.norm(self._rest, axis=1) + TEAR
+        size = len(images)
+        graph = sp.csr_matrix((kept[kept], (self._start[kept], self._end[kept])), shape=(size, size))
+        pieces = connected_components(graph, directed=False)[1]
+        return np.asarray(pieces == np.bincount(pieces).argmax())
 
-    def settle(self, positions: np.ndarray, places: np.ndarray, steps: int) -> tuple[np.ndarray, np.ndarray]:
-        """Positions (p, 3) between rigidity and places, and the turns (p, 3, 3) of rows; turning and moving in turn."""
+    def settle(
+        self, positions: np.ndarray, places: np.ndarray, trust: np.ndarray, steps: int
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Positions (p, 3) between rigidity and places, which count as trust (p,) says, and the turns (p, 3, 3).
+
+        Turning and moving take turns.
+        """
+        factors = factorized(self._laplacian + sp.diags(trust))
         for _ in range(steps):
             moved = positions[self._start] - positions[self._end]
             products = (self._rest[:, :, None] * moved[:, None, :]).reshape(-1, 9)
@@ -135,7 +167,7 @@ class _Body:
             left[np.linalg.det(left @ right) < 0, :, 2] *= -1
             turns = left @ right
             wanted = np.einsum("ei,eij->ej", self._rest, turns[self._start] + turns[self._end]) / 2
-            positions = self._factors.solve(self._sum @ wanted + self._trust * places)
+            positions = factors.solve(self._sum @ wanted + trust[:, None] * places)
         return positions, turns
 
 

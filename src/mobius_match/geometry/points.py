@@ -33,6 +33,19 @@ class SurfacePoints:
         """The corner that weighs most, (q,) int64."""
         return self.corners[np.arange(len(self.corners)), self.barycentric.argmax(axis=1)]
 
+    def values(self, at_vertices: np.ndarray) -> np.ndarray:
+        """Values (q, ...) at the points, of values (n, ...) at the vertices."""
+        return np.einsum("qk,qk...->q...", self.barycentric, at_vertices[self.corners])
+
+    def replaced(self, rows: np.ndarray, others: SurfacePoints) -> SurfacePoints:
+        """The points, with others in some rows (r,)."""
+        parts = []
+        for name in ("faces", "corners", "barycentric"):
+            values = getattr(self, name).copy()
+            values[rows] = getattr(others, name)
+            parts.append(values)
+        return SurfacePoints(*parts)
+
 
 def closest_points(
     positions: np.ndarray, faces: np.ndarray, queries: np.ndarray, vertices: np.ndarray
