@@ -14,6 +14,7 @@ from .errors import FormatError, MeshError, MobiusError, NothingFoundError, Sett
 
 if TYPE_CHECKING:
     from .correspondence import Correspondence
+    from .dense import SurfaceMap
     from .matching import match
     from .mesh import Mesh, read_mesh
     from .mirror import Symmetry, symmetry
@@ -29,6 +30,7 @@ _HOMES = {
     "Mesh": "mesh",
     "PrepareSettings": "settings",
     "Surface": "surface",
+    "SurfaceMap": "dense",
     "Symmetry": "mirror",
     "match": "matching",
     "prepare": "surface",
@@ -47,6 +49,7 @@ __all__ = [
     "PrepareSettings",
     "SettingsError",
     "Surface",
+    "SurfaceMap",
     "Symmetry",
     "TopologyError",
     "__version__",

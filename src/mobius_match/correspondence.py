@@ -13,10 +13,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .errors import FormatError
+from .errors import FormatError, SettingsError
 from .geometry.points import SurfacePoints
 
 if TYPE_CHECKING:
+    from .dense import SurfaceMap
     from .surface import Surface
     from .voting import Votes
 
@@ -81,6 +82,8 @@ class Correspondence:
         The fuzzy correspondence matrix; None for a result that was loaded from a file.
     others
         Makes the :attr:`alternatives`; None for a result that was loaded from a file.
+    spread
+        Makes the map that :meth:`dense` gives; None for a result that was loaded from a file.
     """
 
     pairs: np.ndarray
@@ -98,6 +101,7 @@ class Correspondence:
     target: Surface | None = None
     votes: Votes | None = None
     others: Callable[[], tuple[Alternative, ...]] | None = None
+    spread: Callable[[], SurfaceMap] | None = None
 
     def __len__(self) -> int:
         return len(self.pairs)
@@ -110,6 +114,25 @@ class Correspondence:
     def alternatives(self) -> tuple[Alternative, ...]:
         """The matches under other explanations, the closest loser first; worked out when first asked for."""
         return () if self.others is None else self.others()
+
+    def dense(self) -> SurfaceMap:
+        """Every vertex of each surface to a point of the other, worked out when first asked for.
+
+        Raises
+        ------
+        SettingsError
+            For a result that was loaded from a file, which holds no surfaces: match again.
+        """
+        return self._dense
+
+    @cached_property
+    def _dense(self) -> SurfaceMap:
+        if self.spread is None:
+            raise SettingsError(
+                "a result that was loaded from a file holds no surfaces to make a dense map of; match them again "
+                "(mobius_match.rematch)"
+            )
+        return self.spread()
 
     def to_dict(self, *, alternatives: bool = False) -> dict[str, Any]:
         """The result as JSON-able values, in the layout of the result file; with the alternatives if asked for."""

@@ -6,7 +6,7 @@ import platform
 import time
 from functools import partial
 from importlib.metadata import version
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from threadpoolctl import threadpool_limits
@@ -15,13 +15,15 @@ from .confidence import chances, distances_of_places
 from .correspondence import Alternative, Correspondence
 from .errors import NothingFoundError
 from .geometry.points import SurfacePoints, closest_points
-from .hypotheses import Explanation, explanations, finer_targets
+from .hypotheses import TRUSTED, Explanation, contested, explanations, spread_to_surface
 from .matrix_processing import linear_assignment, max_row_column, normalized, recover
 from .partial import part_places
-from .registration import register
 from .settings import MatchSettings, make_settings
 from .surface import Progress, Surface, matchable, prepare_mesh
 from .voting import Votes, cast_votes
+
+if TYPE_CHECKING:
+    from .dense import SurfaceMap
 
 VOTES_THRESHOLD = 0.1
 """Confidence S, as a share of the votes, below which a pair needs the others to bear it out (section 8)."""
@@ -98,7 +100,7 @@ def match(
     with threadpool_limits(limits=1, user_api="blas"):
         # The paper's own voting knows whole surfaces only.
         places, note = part_places(first, second, chosen.seed) if chosen.proposal == "guided" else (None, "")
-        found = [] if places else explanations(first, second, votes)
+        found = [] if places else contested(first, second, explanations(first, second, votes))
         timings["explanations"] = time.perf_counter() - begin
         begin = time.perf_counter()
         if places:
@@ -130,6 +132,7 @@ def match(
         },
         warnings=(*_notes(first), *_notes(second), *votes.warnings, *([note] if note else []), *_doubts(found)),
         others=partial(_alternatives, first, second, votes, found, chosen),
+        spread=partial(_spread, first, second, votes, found, chosen),
         source=first,
         target=second,
         votes=votes,
@@ -154,7 +157,7 @@ def _explained(
 
     A sample that section 8 pairs with a sample near its place is voted; another place is recovered from all others.
     """
-    registration = register(source, target, finer_targets(source, target, explanation, source.proxy))
+    registration = explanation.registered(source, target)
     distances = distances_of_places(source, target, registration)
     chance = chances(source, target, registration, votes.matrix, distances)
     samples = np.searchsorted(source.proxy, source.samples)
@@ -194,6 +197,20 @@ def _reported(
         "kind": np.where(voted, "voted", "recovered")[kept],
         "target_points": SurfacePoints(mesh.face_ids[there.faces], mesh.vertex_ids[there.corners], there.barycentric),
     }
+
+
+def _spread(
+    source: Surface, target: Surface, votes: Votes, found: list[Explanation], settings: MatchSettings
+) -> SurfaceMap:
+    """The dense map under the chosen explanation; without one, under the matches of the samples."""
+    from .dense.refine import dense_map
+
+    with threadpool_limits(limits=1, user_api="blas"):
+        if not found:
+            pairs, _ = _assign(votes.matrix, settings)
+            image = target.proxy[spread_to_surface(source, target, pairs[:TRUSTED])]
+            found = [Explanation(image, {}, 0.0, 1.0)]
+        return dense_map(source, target, found[0].registered(source, target))
 
 
 def _alternatives(

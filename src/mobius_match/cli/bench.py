@@ -19,7 +19,12 @@ if TYPE_CHECKING:
     from ..evaluation.runs import Run
 
 COLUMNS = {"mean15": "mean of\nfirst 15", "mean45": "mean of\nfirst 45", "wrong": "pairs with\nfirst 45\nabove 10"}
-DENSE_COLUMNS = {"dense_mean": "mean of\nall points", "dense_wrong": "pairs\nabove 10"}
+DENSE_COLUMNS = {
+    "dense_mean": "mean of\nall points",
+    "dense_within": "within 5",
+    "dense_within_far": "within 10",
+    "dense_wrong": "pairs\nabove 10",
+}
 
 
 def bench(
@@ -63,6 +68,7 @@ def bench(
     index_base: Annotated[
         int | None, Option(metavar="0|1", help="Number of the first vertex in these maps; needed with --maps.")
     ] = None,
+    dense: Annotated[bool, Option("--dense", help="Make and score dense maps too.")] = False,
     preset: Annotated[str | None, Option(metavar="paper", help="The paper's published settings.")] = None,
     samples: Annotated[int | None, Option(metavar="N", help="Sample points on each surface.  [default: 100]")] = None,
     votes: Annotated[
@@ -105,6 +111,7 @@ def bench(
             resume=resume,
             maps=maps,
             index_base=index_base,
+            dense=dense,
             progress=reporter.progress,
             **settings,
         )
@@ -118,7 +125,9 @@ def bench(
     if json:
         write(STDOUT, to_json(_figures(found)))
     else:
-        print_table(_table(found))
+        kinds = ([False] if maps is None else []) + ([True] if dense or maps is not None else [])
+        for kind in kinds:
+            print_table(_table(found, kind))
     if failed:
         raise SystemExit(UNUSABLE if len(failed) == len(found.records) else SOME_FAILED)
 
@@ -160,13 +169,12 @@ def _figures(run: Run) -> dict[str, Any]:
     }
 
 
-def _table(run: Run) -> Table:
+def _table(run: Run, dense: bool) -> Table:
     from rich.table import Table
 
     from ..evaluation import summary
 
     figures = _figures(run)
-    dense = summary.has_dense(run.records)
     columns = DENSE_COLUMNS if dense else COLUMNS
     unit = "the square root of the target's area" if dense else "the target's diameter"
     table = Table(title=f"Errors, % of {unit}", title_justify="left")

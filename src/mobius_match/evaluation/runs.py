@@ -47,6 +47,7 @@ def run(
     resume: bool = False,
     maps: str | os.PathLike[str] | None = None,
     index_base: int | None = None,
+    dense: bool = False,
     preset: str | None = None,
     progress: Progress | None = None,
     **settings: Any,
@@ -70,6 +71,8 @@ def run(
         vertex of the source the vertex of the target, a line each, -1 for none.
     index_base
         Number of the first vertex in these files, 0 or 1.
+    dense
+        Make and score a dense map of each pair too.
     preset, **settings
         As for :func:`mobius_match.match`.
     progress
@@ -92,7 +95,8 @@ def run(
     if jobs is not None and not 1 <= jobs <= 1024:
         raise SettingsError(f"jobs is {jobs}; give a number from 1 to 1024")
     folder = Path(out)
-    info = _describe(dataset, chosen, preset, scoring, maps, index_base)
+    measured = {"geodesics": scoring} | ({"dense": True} if dense else {})
+    info = _describe(dataset, chosen, preset, measured, maps, index_base)
     _open(folder, info, resume)
     tell = progress or (lambda stage, done, total: None)
     waiting = {case.name: case for case in dataset.cases if not _is_done(_record_path(folder, case.name))}
@@ -104,7 +108,7 @@ def run(
             if errors:
                 _write_record(folder, failed(case, errors[0]))
             elif maps is None:
-                tasks[case.name] = (match_pair, case, scoring, folder, chosen)
+                tasks[case.name] = (match_pair, case, scoring, folder, chosen, dense)
             else:
                 tasks[case.name] = (score_dense, case, scoring, Path(maps) / f"{case.name}.txt", index_base)
         total = len(dataset.cases)
@@ -139,7 +143,7 @@ def _describe(
     dataset: Dataset,
     settings: MatchSettings,
     preset: str | None,
-    scoring: str,
+    scoring: dict[str, Any],
     maps: str | os.PathLike[str] | None,
     index_base: int | None,
 ) -> dict[str, Any]:
@@ -151,7 +155,7 @@ def _describe(
         "version": VERSION,
         "dataset": {"path": str(dataset.path), "layout": dataset.layout, "sha256": _digest(dataset)},
         "settings": {**chosen, "preset": preset},
-        "scoring": {"geodesics": scoring},
+        "scoring": scoring,
         "maps": None if maps is None else {"folder": str(maps), "index_base": index_base},
         "software": {name: version(name) for name in names} | {"python": platform.python_version()},
         "cases": [case.name for case in dataset.cases],

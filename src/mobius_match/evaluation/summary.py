@@ -97,6 +97,7 @@ def measures(record: dict[str, Any], variant: str) -> dict[str, float]:
         "princeton_within": _share(found * factor, NEAR),
         "dense_mean": dense_mean,
         "dense_within": _share(dense * factor, NEAR),
+        "dense_within_far": _share(dense * factor, WRONG),
         "dense_wrong": float(dense_mean > WRONG) if dense_mean == dense_mean else float("nan"),
     }
 

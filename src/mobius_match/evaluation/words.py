@@ -17,6 +17,7 @@ MEASURES = {
     "princeton_within": "matches within 0.05 √area",
     "dense_mean": "dense map: mean, per √area",
     "dense_within": "dense map: points within 0.05 √area",
+    "dense_within_far": "dense map: points within 0.10 √area",
     "dense_wrong": "dense map: pairs with a mean above 0.10 √area",
 }
 """Names of ``summary.measures`` as a table shows them."""

@@ -57,17 +57,22 @@ def _message(error: Exception) -> str:
     return str(error) if isinstance(error, MobiusError) else f"{type(error).__name__}: {error}"
 
 
-def match_pair(case: Case, scoring: str, folder: Path, settings: MatchSettings) -> dict[str, Any]:
-    """Match two prepared meshes and score the matches."""
+def match_pair(case: Case, scoring: str, folder: Path, settings: MatchSettings, dense: bool) -> dict[str, Any]:
+    """Match two prepared meshes and score the matches, and the dense map if wanted."""
     source, target = (_load_surface(surface_path(folder, path)) for path in (case.source, case.target))
     result = match(source, target, **settings.to_dict())
     timings = {f"source {name}": seconds for name, seconds in source.timings.items()}
     timings |= {f"target {name}": seconds for name, seconds in target.timings.items()}
     timings |= {name: seconds for name, seconds in result.timings.items() if name not in ("reading", "total")}
+    start = time.perf_counter()
+    spread = result.dense() if dense else None
+    if spread:
+        timings["dense map"] = time.perf_counter() - start
     timings["total"] = sum(timings.values())
     start = time.perf_counter()
     scored = _scorer(case, source.mesh, target.mesh, scoring)
     found = scored.score(result.pairs, result.confidence)
+    of_map = _dense(scored.score_map(spread.vertices)) if spread else None
     timings["scoring"] = time.perf_counter() - start
     return {
         "pairs": result.pairs.tolist(),
@@ -80,10 +85,16 @@ def match_pair(case: Case, scoring: str, folder: Path, settings: MatchSettings) 
         "area": mesh_area(target.mesh),
         "coverage": found["coverage"],
         "ranking": found["ranking"],
-        "dense": None,
+        "dense": of_map,
         "warnings": list(result.warnings),
         "timings": timings,
     }
+
+
+def _dense(found: dict[str, Any]) -> dict[str, Any]:
+    """What a record keeps of a scored map."""
+    errors = {name: _numbers(found[name]) for name in ("direct", "mirrored")}
+    return {**errors, "unmapped": found["unmapped"]}
 
 
 def score_dense(case: Case, scoring: str, path: Path, index_base: int) -> dict[str, Any]:
@@ -104,11 +115,7 @@ def score_dense(case: Case, scoring: str, path: Path, index_base: int) -> dict[s
         "area": mesh_area(target),
         "coverage": {},
         "ranking": None,
-        "dense": {
-            "direct": _numbers(found["direct"]),
-            "mirrored": _numbers(found["mirrored"]),
-            "unmapped": found["unmapped"],
-        },
+        "dense": _dense(found),
         "warnings": [],
         "timings": {"scoring": time.perf_counter() - start},
     }

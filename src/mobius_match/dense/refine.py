@@ -1,0 +1,117 @@
+"""Every vertex of the source on the target: the bent proxy carries the whole mesh, which is then bent as closely.
+
+Beyond the paper. What :mod:`mobius_match.registration` does with a thousand points is done once more with all vertices,
+from where the proxy carries them, by place and normal alone: where the map is right at large, the nearest point is.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from ..geometry.points import SurfacePoints, closest_points
+from ..geometry.spectral import functional_map
+from ..registration import Body, Registration, vertex_normals
+from ..surface import Surface
+from .surface_map import SurfaceMap
+
+TRUST = (0.1, 0.3)
+"""Weight of the places against rigidity, from one round to the next."""
+
+ROUNDS, STEPS = 2, 2
+"""Searches for the nearest points at each weight, and alternations of turning and moving after each."""
+
+NORMAL, SPECTRAL, LOWEST = 0.07, 0.02, 15
+"""How much normals and the lowest eigenfunctions count in the nearest point, against places per sqrt(area)."""
+
+CARRIERS = 6
+"""Vertices of the proxy that carry each vertex of the mesh."""
+
+
+def dense_map(source: Surface, target: Surface, registration: Registration) -> SurfaceMap:
+    """The map of all vertices, both ways, that a registration leads to."""
+    bent, bent_normals = bend(source, target, registration)
+    mesh1, mesh2, scale = source.mesh, target.mesh, np.sqrt(target.area)
+    normals = vertex_normals(mesh2.vertices / scale, mesh2.faces)
+    return SurfaceMap(
+        mesh1,
+        mesh2,
+        _closest(bent, bent_normals, mesh2.vertices, normals, mesh2.faces, scale),
+        _closest(mesh2.vertices, normals, bent, bent_normals, mesh1.faces, scale),
+        np.ones(len(mesh1.vertices), bool),
+        np.ones(len(mesh2.vertices), bool),
+    )
+
+
+def bend(source: Surface, target: Surface, registration: Registration) -> tuple[np.ndarray, np.ndarray]:
+    """Bend the whole source onto the target.
+
+    Returns
+    -------
+    positions, normals
+        (n1, 3) float64 each: of the source's vertices, in the target's coordinates.
+    """
+    scale1, scale2 = np.sqrt(source.area), np.sqrt(target.area)
+    rest, there = source.mesh.vertices / scale1, target.mesh.vertices / scale2
+    normals1, normals2 = vertex_normals(rest, source.mesh.faces), vertex_normals(there, target.mesh.faces)
+    positions, turns = _carried(rest, source.proxy, registration.positions / scale2, registration.rotations)
+    body = Body(rest, edges_of(source.mesh.faces))
+    # The few lowest eigenfunctions keep a point from a limb that lies close by but belongs elsewhere.
+    low1, low2 = (surface.eigenfunctions[:, :LOWEST].astype(np.float64) for surface in (source, target))
+    low1 = low1 @ functional_map(low1[source.proxy], low2[registration.image])
+    goals = _features(there, normals2, low2)
+    nearest = cKDTree(goals)
+    for trust in TRUST:
+        for _ in range(ROUNDS):
+            seekers = _features(positions, turned(normals1, turns), low1)
+            image = nearest.query(seekers)[1]
+            drawn = cKDTree(seekers).query(goals)[1]
+            number = 1 + np.bincount(drawn, minlength=len(rest))
+            drawing = np.stack([np.bincount(drawn, axis, len(rest)) for axis in there.T], axis=1)
+            places = (drawing + there[image]) / number[:, None]
+            positions, turns = body.settle(positions, places, np.full(len(rest), trust), STEPS)
+    return positions * scale2, turned(normals1, turns)
+
+
+def _closest(
+    queries: np.ndarray,
+    query_normals: np.ndarray,
+    vertices: np.ndarray,
+    normals: np.ndarray,
+    faces: np.ndarray,
+    scale: float,
+) -> SurfacePoints:
+    """The points of a mesh that lie nearest to queries (q, 3) and are turned as they are."""
+    queries, there = queries / scale, vertices / scale
+    near = cKDTree(_features(there, normals)).query(_features(queries, query_normals))[1]
+    return closest_points(there, faces, queries, near)
+
+
+def edges_of(faces: np.ndarray) -> np.ndarray:
+    """The edges (E, 2) of faces (m, 3), each once, lower vertex first."""
+    edges = np.sort(faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
+    size = edges.max(initial=0) + 1
+    return np.stack(np.divmod(np.unique(edges @ np.array([size, 1])), size), axis=1)
+
+
+def turned(normals: np.ndarray, turns: np.ndarray) -> np.ndarray:
+    """Unit normals (n, 3) after turns (n, 3, 3) of rows."""
+    found = np.einsum("ni,nij->nj", normals, turns)
+    return found / np.maximum(np.linalg.norm(found, axis=1, keepdims=True), np.finfo(float).tiny)
+
+
+def _carried(
+    rest: np.ndarray, carriers: np.ndarray, positions: np.ndarray, rotations: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Where points (n, 3) go that some of them (p,) carry, and how they turn there: means over the nearest carriers."""
+    apart, near = cKDTree(rest[carriers]).query(rest, min(CARRIERS, len(carriers)))
+    weights = np.maximum(1 - apart / (1.001 * apart[:, -1:] + np.finfo(float).tiny), 1e-3) ** 2
+    weights /= weights.sum(axis=1, keepdims=True)
+    arms = rest[:, None] - rest[carriers[near]]
+    ends = positions[near] + np.einsum("nki,nkij->nkj", arms, rotations[near])
+    return np.einsum("nk,nkd->nd", weights, ends), np.einsum("nk,nkij->nij", weights, rotations[near])
+
+
+def _features(places: np.ndarray, normals: np.ndarray, spectral: np.ndarray | None = None) -> np.ndarray:
+    parts = [places, NORMAL * normals] + ([] if spectral is None else [SPECTRAL * spectral])
+    return np.concatenate(parts, axis=1)

@@ -1,0 +1,226 @@
+"""A dense map: every vertex of one surface to a point of another, both ways, and what is carried along it."""
+
+from __future__ import annotations
+
+import io
+import json
+import os
+import zipfile
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+
+from ..correspondence import write_atomically
+from ..errors import FormatError, SettingsError
+from ..geometry.points import SurfacePoints, closest_points
+from ..mesh import Mesh
+
+FORMAT = "mobius-match/map"
+VERSION = 1
+
+
+@dataclass(frozen=True, eq=False)
+class SurfaceMap:
+    """Every vertex of the source to a point of the target, and every vertex of the target to a point of the source.
+
+    Numbers of vertices and faces are those of the repaired meshes; :attr:`vertices` and all that is transferred count
+    as the user's own files do.
+
+    Parameters
+    ----------
+    source, target
+        The repaired meshes.
+    points
+        (n1,) points of the target, one for each vertex of the source.
+    back
+        (n2,) points of the source, one for each vertex of the target.
+    found, back_found
+        (n1,) and (n2,) bool: which vertices have a counterpart. Points of the others are not to be used.
+    """
+
+    source: Mesh
+    target: Mesh
+    points: SurfacePoints
+    back: SurfacePoints
+    found: np.ndarray
+    back_found: np.ndarray
+
+    def __repr__(self) -> str:
+        mapped = f"{int(self.found.sum())} of {len(self.found)} vertices"
+        return f"<SurfaceMap {self.source.name} -> {self.target.name}: {mapped}>"
+
+    @cached_property
+    def inverse(self) -> SurfaceMap:
+        """The map from the target to the source."""
+        return SurfaceMap(self.target, self.source, self.back, self.points, self.back_found, self.found)
+
+    @cached_property
+    def vertices(self) -> np.ndarray:
+        """The target vertex nearest to the image of each source vertex, (n_file_vertices,) int64; -1 for none.
+
+        Numbers are those of the user's files.
+        """
+        images = np.full(self.source.n_file_vertices, -1, np.int64)
+        images[self.source.vertex_ids[self.found]] = self.target.vertex_ids[self.points.nearest[self.found]]
+        return images
+
+    @cached_property
+    def positions(self) -> np.ndarray:
+        """Where the source's vertices lie on the target, (n1, 3) float64; NaN for those without counterpart."""
+        places = self.points.values(self.target.vertices)
+        places[~self.found] = np.nan
+        return places
+
+    def images(self, points: SurfacePoints) -> tuple[SurfacePoints, np.ndarray]:
+        """Where points of the source lie on the target.
+
+        Parameters
+        ----------
+        points
+            (q,) points of the source.
+
+        Returns
+        -------
+        images
+            (q,) points of the target: next to the weighted mean of the places of the corners.
+        found
+            (q,) bool: whether every corner that weighs anything has a counterpart.
+        """
+        target, size = self.target, float(np.ptp(self.target.vertices, axis=0).max())
+        places = np.einsum("qc,qcd->qd", points.barycentric, self.points.values(target.vertices)[points.corners])
+        near = self.points.nearest[points.nearest]
+        images = closest_points(target.vertices / size, target.faces, places / size, near)
+        # A vertex goes exactly where its image is, whatever a search among the faces around would round to.
+        exact = np.flatnonzero(points.barycentric.max(axis=1) == 1.0)
+        images = images.replaced(exact, self.points[points.nearest[exact]])
+        return images, (self.found[points.corners] | (points.barycentric == 0)).all(axis=1)
+
+    def transfer(self, values: np.ndarray) -> np.ndarray:
+        """Carry values at the source's vertices to the target's: numbers, vectors or colours, linear within faces.
+
+        Parameters
+        ----------
+        values
+            (n1, ...) numbers, one row for each vertex of the source's file.
+
+        Returns
+        -------
+        numpy.ndarray
+            (n2, ...) float64, one row for each vertex of the target's file; NaN where nothing corresponds.
+
+        Raises
+        ------
+        SettingsError
+            If there is not one row for each vertex of the source's file.
+        """
+        values = _rows(values, self.source.n_file_vertices, "vertices", self.source).astype(np.float64)
+        carried = np.full((self.target.n_file_vertices, *values.shape[1:]), np.nan)
+        of_corners = values[self.source.vertex_ids[self.back.corners]]
+        carried[self.target.vertex_ids] = np.einsum("qc,qc...->q...", self.back.barycentric, of_corners)
+        carried[self.target.vertex_ids[~self.back_found]] = np.nan
+        return carried
+
+    def transfer_labels(self, labels: np.ndarray) -> np.ndarray:
+        """Carry labels of the source's faces to the target's; a label is never mixed with another.
+
+        Parameters
+        ----------
+        labels
+            (m1,) int, one for each face of the source's file.
+
+        Returns
+        -------
+        numpy.ndarray
+            (m2,) int64, one for each face of the target's file: that of the source's face that its centre lies in; -1
+            where nothing corresponds.
+
+        Raises
+        ------
+        SettingsError
+            If there is not one whole number for each face of the source's file.
+        """
+        labels = _rows(labels, self.source.n_file_faces, "faces", self.source)
+        if not np.issubdtype(labels.dtype, np.integer):
+            raise SettingsError(f"{self.source.name}: labels are to be whole numbers, and are {labels.dtype}")
+        mesh = self.target
+        centres = SurfacePoints(np.arange(len(mesh.faces)), mesh.faces, np.full((len(mesh.faces), 3), 1 / 3))
+        images, found = self.inverse.images(centres)
+        carried = np.full(mesh.n_file_faces, -1, np.int64)
+        # Backwards, so that of the triangles of one polygon the first decides.
+        order = np.flatnonzero(found)[::-1]
+        carried[mesh.face_ids[order]] = labels[self.source.face_ids[images.faces[order]]]
+        return carried
+
+    def text(self) -> str:
+        """:attr:`vertices` as text, a line for each vertex of the source's file."""
+        return "\n".join(map(str, self.vertices.tolist())) + "\n"
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write the map: its text, or all of it to a .npz file; an existing file is replaced or kept whole."""
+        path = Path(path)
+        if path.suffix.lower() != ".npz":
+            write_atomically(path, self.text().encode())
+            return
+        buffer = io.BytesIO()
+        arrays = {
+            f"{side}_{name}": getattr(points, name)
+            for side, points in (("points", self.points), ("back", self.back))
+            for name in ("faces", "corners", "barycentric")
+        }
+        for side, mesh in (("source", self.source), ("target", self.target)):
+            arrays |= {
+                f"{side}_{name}": getattr(mesh, name) for name in ("vertices", "faces", "vertex_ids", "face_ids")
+            }
+        head = {"format": FORMAT, "version": VERSION} | {
+            side: {"name": mesh.name, "path": None if mesh.path is None else str(mesh.path), "sha256": mesh.sha256}
+            | {"n_file_vertices": mesh.n_file_vertices, "n_file_faces": mesh.n_file_faces}
+            for side, mesh in (("source", self.source), ("target", self.target))
+        }
+        arrays |= {"found": self.found, "back_found": self.back_found, "head": np.array(json.dumps(head))}
+        np.savez(buffer, allow_pickle=False, **arrays)
+        write_atomically(path, buffer.getvalue())
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> SurfaceMap:
+        """Read a map that :meth:`save` wrote to a .npz file.
+
+        Raises
+        ------
+        FormatError
+            If the file cannot be read or is none of this version.
+        """
+        try:
+            with np.load(path, allow_pickle=False) as file:
+                found = {name: file[name] for name in file.files}
+            head = json.loads(str(found["head"]))
+            if (head["format"], head["version"]) != (FORMAT, VERSION):
+                raise FormatError(f"{path}: not a map of version {VERSION}; make it again with mobius match --dense")
+            meshes = [
+                Mesh(
+                    **{name: found[f"{side}_{name}"] for name in ("vertices", "faces", "vertex_ids", "face_ids")},
+                    **head[side] | {"path": None if head[side]["path"] is None else Path(head[side]["path"])},
+                    notes=(),
+                )
+                for side in ("source", "target")
+            ]
+            points = [
+                SurfacePoints(*(found[f"{side}_{name}"] for name in ("faces", "corners", "barycentric")))
+                for side in ("points", "back")
+            ]
+            return cls(meshes[0], meshes[1], points[0], points[1], found["found"], found["back_found"])
+        except (OSError, ValueError, KeyError, TypeError, EOFError, zipfile.BadZipFile) as error:
+            if isinstance(error, FormatError):
+                raise
+            raise FormatError(
+                f"{path}: not a readable map ({error}); make it again with mobius match --dense"
+            ) from error
+
+
+def _rows(values: np.ndarray, number: int, what: str, mesh: Mesh) -> np.ndarray:
+    values = np.asarray(values)
+    if values.ndim == 0 or len(values) != number:
+        length = 0 if values.ndim == 0 else len(values)
+        raise SettingsError(f"{mesh.name} has {number} {what}, and {length} values were given: one is needed for each")
+    return values
