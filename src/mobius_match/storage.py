@@ -5,7 +5,6 @@ from __future__ import annotations
 import io
 import json
 import os
-import zipfile
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -20,8 +19,10 @@ from .settings import PrepareSettings
 if TYPE_CHECKING:
     from .surface import Surface
 
+ENDING = ".npz"
 FORMAT = "mobius-match/surface"
 VERSION = 1
+"""To be raised whenever other numbers come out of the preparation, or go into the file."""
 
 
 def save_surface(surface: Surface, path: str | os.PathLike[str]) -> None:
@@ -54,9 +55,9 @@ def load_fields(path: str | os.PathLike[str]) -> dict[str, Any]:
         mesh["path"] = None if mesh["path"] is None else Path(mesh["path"])
         found["settings"], found["warnings"] = PrepareSettings(**found["settings"]), tuple(found["warnings"])
         return {"mesh": Mesh(**mesh), **found}
-    except (OSError, ValueError, KeyError, TypeError, EOFError, zipfile.BadZipFile) as error:
-        if isinstance(error, FormatError):
-            raise
+    except FormatError:
+        raise
+    except Exception as error:  # a damaged archive makes numpy fail in many ways
         raise FormatError(f"{path}: not a readable prepared surface ({error}); prepare the mesh again") from error
 
 

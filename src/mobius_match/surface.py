@@ -126,37 +126,6 @@ class Surface:
         return cls(**load_fields(path))
 
 
-def prepare(
-    thing: Any,
-    settings: PrepareSettings | None = None,
-    *,
-    progress: Progress | None = None,
-    **overrides: Any,
-) -> Surface:
-    """Make a mesh ready for matching.
-
-    Parameters
-    ----------
-    thing
-        A path, ``(vertices, faces)``, anything with both as attributes, or a Surface, which is returned as it is.
-    settings
-        A :class:`PrepareSettings`; single values can be given as keywords instead.
-    progress
-        Called as ``progress(stage, done, total)``.
-
-    Raises
-    ------
-    MeshError
-        If the mesh cannot be read or used; the message says why and what to do.
-    SettingsError
-        If a setting is out of range.
-    """
-    if isinstance(thing, Surface):
-        return thing
-    settings = settings or PrepareSettings(**overrides)
-    return prepare_mesh(matchable(thing), settings, progress)
-
-
 def matchable(thing: Any) -> Mesh:
     """The repaired mesh of a path, of arrays, or of an object with both, if it can be matched at all.
 
