@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import json
 import os
+import zipfile
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -46,8 +47,12 @@ def load_fields(path: str | os.PathLike[str]) -> dict[str, Any]:
         If the file cannot be read or is none of this version.
     """
     try:
-        with np.load(path, allow_pickle=False) as file:
-            found = {name: file[name] for name in file.files}
+        with zipfile.ZipFile(path) as archive:
+            # Each member as a whole, for only then its checksum is looked at.
+            members = {name.removesuffix(".npy"): io.BytesIO(archive.read(name)) for name in archive.namelist()}
+        found: dict[str, Any] = {
+            name: np.lib.format.read_array(data, allow_pickle=False) for name, data in members.items()
+        }
         found |= json.loads(str(found.pop("values")))
         if (found.pop("format"), found.pop("version")) != (FORMAT, VERSION):
             raise FormatError(f"{path}: not a prepared surface of version {VERSION}; prepare the mesh again")

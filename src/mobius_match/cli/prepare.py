@@ -5,6 +5,7 @@ from __future__ import annotations
 import logging
 import os
 import time
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -54,7 +55,6 @@ def prepare(
     Each mesh gets a file in DIR, named after it (cat0.off: DIR/cat0.npz), which every command takes in place of
     the mesh. Ends with 3 if no mesh can be prepared, with 5 if some of several cannot.
     """
-    from ..evaluation.pool import DIED, Died, Workers
     from ..settings import make_settings
 
     options = {"preset": preset, "samples": samples, "geodesics": geodesics, "triangulation": triangulation}
@@ -66,13 +66,11 @@ def prepare(
         for path, name in file_names(meshes).items()
     }
     found: dict[str, dict[str, Any]] = {}
-    with (
-        Reporter(quiet, verbose) as reporter,
-        Workers(min(settings.jobs or os.cpu_count() or 1, len(tasks))) as workers,
-    ):
+    with Reporter(quiet, verbose) as reporter:
         reporter.progress("meshes", 0, len(tasks))
-        for done, (name, entry) in enumerate(workers.results(_prepare, tasks), start=1):
-            found[name] = _failed(Path(name), f"{name}: {DIED}") if entry is Died else entry
+        results = _results(tasks, settings.jobs or os.cpu_count() or 1, reporter)
+        for done, (name, entry) in enumerate(results, start=1):
+            found[name] = entry
             reporter.progress("meshes", done, len(tasks))
     entries = [found[name] for name in tasks]
     for entry in entries:
@@ -103,12 +101,28 @@ def file_names(meshes: list[Path]) -> dict[Path, str]:
     return names
 
 
+def _results(tasks: dict[str, tuple[Any, ...]], jobs: int, reporter: Reporter) -> Iterator[tuple[str, dict[str, Any]]]:
+    """The name and the entry of each mesh, in the order in which they end."""
+    from ..evaluation.pool import DIED, Died, Workers
+
+    processes = min(jobs, len(tasks))
+    if processes == 1:  # here it takes less time than a new process takes to start
+        with reporter.compiling():
+            yield from ((name, _prepare(*task)) for name, task in tasks.items())
+        return
+    with Workers(processes) as workers:
+        for name, entry in workers.results(_prepare, tasks):
+            yield name, _failed(Path(name), f"{name}: {DIED}") if entry is Died else entry
+
+
 def _prepare(path: Path, out: Path, settings: PrepareSettings, cache: bool, verbose: bool) -> dict[str, Any]:
-    """Prepare a mesh, in a process of its own; an error is an entry, not an end."""
+    """Prepare a mesh; an error is an entry, not an end."""
+    import multiprocessing
+
     from ..preparing import prepare
     from ..storage import ENDING
 
-    if verbose:
+    if verbose and multiprocessing.parent_process() is not None:
         logging.basicConfig(format="%(message)s", level=logging.INFO)
     start = time.perf_counter()
     try:
