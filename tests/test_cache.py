@@ -209,6 +209,12 @@ def test_what_was_not_used_for_longest_goes_first(meshes, prepared, cache_folder
     assert [path.name for path in cache_folder.iterdir()] == ["notes.txt"]
 
 
+@pytest.mark.skipif(os.name != "posix", reason="there are no such permissions")
+def test_nobody_else_can_look_into_the_cache(meshes, cache_folder):
+    mm.prepare(meshes[0], samples=10, cache=True)
+    assert cache_folder.stat().st_mode & 0o777 == 0o700
+
+
 def test_clearing_leaves_what_is_not_of_the_cache(meshes, cache_folder):
     mm.prepare(meshes[0], samples=10, cache=True)
     path = only(cache_folder)

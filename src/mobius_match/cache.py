@@ -105,7 +105,7 @@ def keep(mesh: str | os.PathLike[str], surface: Surface) -> None:
         return
     try:
         path = _path(mesh, surface.mesh.sha256, surface.settings)
-        path.parent.mkdir(parents=True, exist_ok=True)
+        path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)  # meshes may be nobody else's business
         surface.save(path)
         _make_room(path.parent, cache_limit())
     except (OSError, SettingsError) as error:
