@@ -30,7 +30,7 @@ def jit(function: Callable[..., Any]) -> Any:
 def compiling() -> str:
     """What a user is told who waits for kernels."""
     how_often = "every run: no folder can be written, name one in NUMBA_CACHE_DIR" if _not_kept else "first run only"
-    return f"compiling kernels ({how_often}; up to about 20 seconds)..."
+    return f"compiling kernels ({how_often}; up to 20 seconds or so)..."
 
 
 @contextmanager

@@ -88,6 +88,7 @@ def test_options_that_a_prepared_file_does_not_follow_are_told(mobius, pair, tmp
     ended = mobius("match", tmp_path / "one.npz", pair[1], "--samples", 31, "--votes", 2000)
     assert "one.off: stays prepared with samples 30\n" in ended.err
     assert "two.off" not in ended.err
+    assert "stays" not in mobius("match", tmp_path / "one.npz", pair[1], "--votes", 2000).err
 
 
 def test_other_archives_and_missing_files_are_refused(mobius, pair, tmp_path):

@@ -166,9 +166,11 @@ def prepared_otherwise(surface: Surface | None, settings: dict[str, Any]) -> lis
     """A note if settings were given that the surface, which a file held, was not prepared with."""
     from ..settings import make_settings
 
-    if surface is None or not settings:
+    if surface is None:
         return []
     wanted, held = asdict(make_settings(**settings).preparation()), asdict(surface.settings)
+    if not settings.keys() & {"preset", *held}:
+        return []
     others = [f"{name} {value}" for name, value in held.items() if value != wanted[name]]
     return [f"{surface.mesh.name}: stays prepared with {', '.join(others)}"] if others else []
 
