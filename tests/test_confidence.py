@@ -4,10 +4,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.spatial import cKDTree
 
 import mobius_match as mm
 from mobius_match import examples
-from mobius_match.confidence import chances, distances_of_places, evidence
+from mobius_match.confidence import chances, distances_of_places, evidence, interpolated
 from mobius_match.registration import register
 from tests.shapes import lump
 
@@ -39,6 +40,19 @@ def test_a_wrong_place_is_doubted_and_the_others_are_not(copy):
     found = chances(surface, surface, wrong, votes, distances_of_places(surface, surface, wrong))
     assert np.argmin(found) == sample
     assert np.median(found) > 0.95
+
+
+@pytest.mark.parametrize("size", [3, 200])
+def test_values_between_points_come_from_the_four_nearest(size):
+    generator = np.random.default_rng(0)
+    points, queries, values = generator.random((size, 3)), generator.random((50, 3)), generator.random((7, size))
+    queries[0] = points[0]
+    apart, near = cKDTree(points).query(queries, min(4, size))
+    weights = 1 / (apart + 1e-3 * apart.mean()) ** 2
+    wanted = np.einsum("nqk,qk->nq", values[:, near], weights / weights.sum(axis=1, keepdims=True))
+    found = interpolated(points, queries, values)
+    np.testing.assert_allclose(found, wanted, rtol=1e-9)
+    np.testing.assert_allclose(found[:, 0], values[:, 0], atol=1e-4)
 
 
 @pytest.mark.parametrize("name", examples.names())

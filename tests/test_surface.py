@@ -59,3 +59,13 @@ def test_damaged_files_are_refused(surface, tmp_path):
         mm.Surface.load(path)
     with pytest.raises(FormatError, match=r"none\.npz"):
         mm.Surface.load(tmp_path / "none.npz")
+
+
+def test_a_file_stands_for_the_mesh_it_was_made_from(surface, tmp_path):
+    mesh, path = surface.mesh.path, tmp_path / "surface.npz"
+    surface.save(path)
+    settings = {"samples": 20, "votes": 2000, "threshold": 0}
+    wanted = mm.match(mesh, mesh, **settings).to_dict() | {"timings": None}
+    for pair in ((path, path), (str(path), mesh), (mesh, surface)):
+        assert mm.match(*pair, **settings).to_dict() | {"timings": None} == wanted
+    assert mm.prepare(path).settings.samples == 20

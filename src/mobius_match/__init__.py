@@ -18,8 +18,9 @@ if TYPE_CHECKING:
     from .matching import match
     from .mesh import Mesh, read_mesh
     from .mirror import Symmetry, symmetry
+    from .preparing import prepare
     from .settings import MatchSettings, PrepareSettings
-    from .surface import Surface, prepare
+    from .surface import Surface
 
 __version__ = "0.1.0"
 
@@ -33,7 +34,7 @@ _HOMES = {
     "SurfaceMap": "dense",
     "Symmetry": "mirror",
     "match": "matching",
-    "prepare": "surface",
+    "prepare": "preparing",
     "read_mesh": "mesh",
     "symmetry": "mirror",
 }

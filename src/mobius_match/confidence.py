@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import numpy as np
 import scipy.sparse as sp
-from scipy.spatial import cKDTree
 
 from .geometry.spectral import wave_kernel_signature
 from .registration import Registration
@@ -87,7 +86,11 @@ def _distances_to_origins(source: Surface, target: Surface, registration: Regist
 
 def interpolated(points: np.ndarray, queries: np.ndarray, values: np.ndarray) -> np.ndarray:
     """Values (N, p) that are known at points (p, 3), at queries (q, 3): (N, q), by distance in space."""
-    apart, near = cKDTree(points).query(queries, min(NEIGHBOURS, len(points)))
+    # So few points need no search tree, which takes longer to import.
+    squared = sum(np.subtract.outer(query, point) ** 2 for query, point in zip(queries.T, points.T, strict=True))
+    number = min(NEIGHBOURS, len(points))
+    near = np.argpartition(squared, number - 1, axis=1)[:, :number]
+    apart = np.sqrt(np.take_along_axis(squared, near, axis=1))
     weights = 1 / (apart + 1e-3 * apart.mean() + np.finfo(float).tiny) ** 2
     return np.einsum("nqk,qk->nq", values[:, near], weights / weights.sum(axis=1, keepdims=True))
 

@@ -10,9 +10,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numba
 import numpy as np
 
+from .compiling import jit
 from .geometry.laplacian import IntrinsicMesh, corner_cotangents, cotangent_laplacian, factorized
 
 
@@ -113,7 +113,7 @@ def _conjugate_steps(mesh: IntrinsicMesh, u: np.ndarray) -> np.ndarray:
     return 0.5 * ((u_i - u_j) * cot_k + (u_k - u_j) * cot_i)
 
 
-@numba.njit(cache=True, nogil=True)
+@jit
 def _integrate(face_edges: np.ndarray, steps: np.ndarray, n_edges: int) -> np.ndarray:
     """Traverse the mid-edge mesh and sum the steps of equation 2; mid-edges out of reach are NaN."""
     m = len(face_edges)

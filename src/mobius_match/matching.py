@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import platform
 import time
 from functools import partial
-from importlib.metadata import version
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -18,8 +16,10 @@ from .geometry.points import SurfacePoints, closest_points
 from .hypotheses import TRUSTED, Explanation, contested, explanations, spread_to_surface
 from .matrix_processing import linear_assignment, max_row_column, normalized, recover
 from .partial import part_places
+from .preparing import finished, opened
 from .settings import MatchSettings, make_settings
-from .surface import Progress, Surface, matchable, prepare_mesh
+from .software import software
+from .surface import Progress, Surface
 from .voting import Votes, cast_votes
 
 if TYPE_CHECKING:
@@ -40,6 +40,7 @@ def match(
     target: Any,
     *,
     preset: str | None = None,
+    cache: bool = False,
     progress: Progress | None = None,
     **settings: Any,
 ) -> Correspondence:
@@ -48,10 +49,13 @@ def match(
     Parameters
     ----------
     source, target
-        Each a path of a mesh file, ``(vertices, faces)``, any object with both, or a prepared :class:`Surface`,
-        which keeps the preparation that it was made with.
+        Each a path of a mesh file, ``(vertices, faces)``, any object with both, or a prepared :class:`Surface` or the
+        file (.npz) of one, which keep the preparation that they were made with.
     preset
         ``"paper"`` for the settings of the publication.
+    cache
+        Take the surfaces of mesh files from the cache if they were prepared before, else keep them there. The result
+        does not depend on it.
     progress
         Called as ``progress(stage, done, total)`` from the calling thread.
     **settings
@@ -82,14 +86,13 @@ def match(
     chosen = make_settings(preset, **settings)
     start = time.perf_counter()
     # Both are read and checked before the work on either begins.
-    things = [thing if isinstance(thing, Surface) else matchable(thing) for thing in (source, target)]
+    preparation = chosen.preparation()
+    begun = [opened(thing, preparation, cache) for thing in (source, target)]
     timings = {"reading": time.perf_counter() - start}
     surfaces = []
-    for side, thing in zip(("source", "target"), things, strict=True):
-        if isinstance(thing, Surface):
-            surfaces.append(thing)
-        else:
-            surfaces.append(prepare_mesh(thing, chosen.preparation(), progress))
+    for side, thing, half in zip(("source", "target"), (source, target), begun, strict=True):
+        surfaces.append(finished(thing, half, preparation, cache, progress))
+        if half is not surfaces[-1]:
             timings |= {f"{side} {name}": seconds for name, seconds in surfaces[-1].timings.items()}
     first, second = surfaces
     begin = time.perf_counter()
@@ -122,8 +125,7 @@ def match(
         target_info=_describe(second),
         settings={**chosen.to_dict(), "preset": preset, "votes": votes.n_triplets},
         timings=timings,
-        software={name: version(name) for name in ("mobius-match", "numpy", "scipy", "numba", "libigl", "potpourri3d")}
-        | {"python": platform.python_version()},
+        software=dict(software()),
         diagnostics={
             "source closure": first.closure,
             "target closure": second.closure,

@@ -11,10 +11,8 @@ from __future__ import annotations
 
 import json
 import os
-import platform
 import time
 from dataclasses import dataclass, fields, replace
-from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
@@ -28,8 +26,10 @@ from .geometry.spectral import functional_map, nearest_rows, wave_kernel_signatu
 from .hypotheses import Explanation, explanations
 from .matrix_processing import max_row_column
 from .mesh.measure import box_scale, unit_box
+from .preparing import finished, opened
 from .settings import PrepareSettings, make_settings
-from .surface import Progress, Surface, matchable, prepare_mesh
+from .software import software
+from .surface import Progress, Surface
 from .voting import Votes
 from .voting.swaps import cast_swap_votes
 
@@ -126,14 +126,17 @@ class Symmetry:
         write_atomically(Path(path), (json.dumps(self.to_dict(), indent=1, allow_nan=False) + "\n").encode())
 
 
-def symmetry(thing: Any, *, progress: Progress | None = None, **settings: Any) -> Symmetry:
+def symmetry(thing: Any, *, cache: bool = False, progress: Progress | None = None, **settings: Any) -> Symmetry:
     """Find the intrinsic mirror symmetry of one surface, in whatever pose.
 
     Parameters
     ----------
     thing
-        A path of a mesh file, ``(vertices, faces)``, any object with both, or a prepared :class:`Surface`, which keeps
-        the preparation that it was made with.
+        A path of a mesh file, ``(vertices, faces)``, any object with both, or a prepared :class:`Surface` or the file
+        (.npz) of one, which keep the preparation that they were made with.
+    cache
+        Take the surface of a mesh file from the cache if it was prepared before, else keep it there. The result does
+        not depend on it.
     progress
         Called as ``progress(stage, done, total)`` from the calling thread.
     **settings
@@ -162,12 +165,10 @@ def symmetry(thing: Any, *, progress: Progress | None = None, **settings: Any) -
             raise SettingsError(f"setting is {name!r}; known settings of a symmetry are {', '.join(sorted(known))}")
     chosen = make_settings(**settings)
     start = time.perf_counter()
-    if isinstance(thing, Surface):
-        surface, timings = thing, {}
-    else:
-        mesh = matchable(thing)
-        timings = {"reading": time.perf_counter() - start}
-        surface = prepare_mesh(mesh, chosen.preparation(), progress)
+    half = opened(thing, chosen.preparation(), cache)
+    timings = {"reading": time.perf_counter() - start}
+    surface = finished(thing, half, chosen.preparation(), cache, progress)
+    if half is not surface:
         timings |= surface.timings
     begin = time.perf_counter()
     votes = cast_swap_votes(surface, chosen, progress)
@@ -194,8 +195,7 @@ def symmetry(thing: Any, *, progress: Progress | None = None, **settings: Any) -
         },
         settings={name: getattr(chosen, name) for name in known} | {"votes": votes.n_triplets},
         timings=timings,
-        software={name: version(name) for name in ("mobius-match", "numpy", "scipy", "numba", "libigl", "potpourri3d")}
-        | {"python": platform.python_version()},
+        software=dict(software()),
         warnings=(*(f"{mesh.name}: {note}" for note in (*mesh.notes, *surface.warnings)), *_doubts(surface, score)),
         source=surface,
     )

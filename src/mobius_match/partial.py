@@ -12,7 +12,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from scipy.spatial import cKDTree
+import scipy
 
 from .confidence import interpolated, neighbour_means
 from .geometry.curvature import gauss_curvature, mean_curvature
@@ -132,7 +132,7 @@ class _Pair:
         self.curvatures1 = _curvatures(part, self.scale)[part.proxy] / spread
         unlike = np.abs(self.curvatures1[:, None] - self.curvatures2[whole.proxy])
         self.costs = (APPEARANCE * np.minimum(unlike.mean(axis=2), 3.0)).astype(np.float32)
-        self._nearest = cKDTree(whole.mesh.vertices[whole.proxy])
+        self._nearest = scipy.spatial.cKDTree(whole.mesh.vertices[whole.proxy])
 
     def located(self, generator: np.random.Generator) -> Registration | None:
         """The part bent onto where it lies on the whole; None if it is not there."""
@@ -231,7 +231,8 @@ class _Pair:
         return {
             "distances": (weight * apart).sum(axis=0) / weight.sum(axis=0),
             "misfit": neighbour_means(self.part) @ found.misfit,
-            "cut": cKDTree(vertices[_boundary(self.part).ravel()]).query(vertices[self.part.proxy])[0] / self.scale,
+            "cut": scipy.spatial.cKDTree(vertices[_boundary(self.part).ravel()]).query(vertices[self.part.proxy])[0]
+            / self.scale,
         }
 
     def chances(self, found: Registration) -> np.ndarray:
@@ -256,7 +257,7 @@ class _Pair:
         queries = there[self.whole.samples]
         places = interpolated(bent, queries, rest[self.part.proxy].T).T
         points = closest_points(mesh.vertices / self.scale, mesh.faces, places[:, :3], nearest_rows(places, rest))
-        apart, node = cKDTree(bent).query(queries)
+        apart, node = scipy.spatial.cKDTree(bent).query(queries)
         return points, np.where(apart <= ON_PART, self.chances(found)[node], 0.0)
 
 

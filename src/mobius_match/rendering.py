@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numba
 import numpy as np
+
+from .compiling import jit
 
 GREY = np.array([0.80, 0.81, 0.83], np.float32)
 LAMP = np.array([-0.45, 0.60, 0.66], np.float32)
@@ -49,7 +50,7 @@ def rasterise(pixels: np.ndarray, shape: Shape, size: tuple[int, int]) -> tuple[
     return depth, normal
 
 
-@numba.njit(cache=True, nogil=True)
+@jit
 def _fill(points: np.ndarray, faces: np.ndarray, normals: np.ndarray, depth: np.ndarray, normal: np.ndarray) -> None:
     """Draw triangles with interpolated normals; the greatest z wins."""
     height, width = depth.shape

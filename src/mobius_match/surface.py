@@ -2,21 +2,16 @@
 
 from __future__ import annotations
 
-import io
-import json
 import os
 import time
-import zipfile
 from collections.abc import Callable
-from dataclasses import asdict, dataclass
-from pathlib import Path
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from .correspondence import write_atomically
-from .errors import FormatError, MeshError
+from .errors import MeshError
 from .flattening import choose_cut_face, flatten, vertex_positions
 from .geometry.curvature import gauss_curvature, mean_curvature
 from .geometry.geodesics import geodesic_solver, nearest_centres
@@ -25,6 +20,7 @@ from .geometry.spectral import eigenbasis, wave_kernel_signature
 from .mesh import Mesh, as_mesh, repair, require_matchable
 from .sampling import proxy_points, sample_points
 from .settings import PrepareSettings
+from .storage import load_fields, save_surface
 
 Progress = Callable[[str, int, int], None]
 """Called with the name of a stage, how much of it is done, and how much there is."""
@@ -34,8 +30,6 @@ PROXY_SIZE = 1200
 GAUSS_RADIUS, MEAN_RADIUS = 0.035, 0.1
 """Widths that the curvatures which tell explanations apart are smoothed to, per sqrt(area)."""
 
-FORMAT = "mobius-match/surface"
-VERSION = 1
 LARGEST_CLOSURE = 1e-6
 """Closure of the conjugate function above which a flattening is not to be trusted."""
 
@@ -118,14 +112,7 @@ class Surface:
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write the surface to a file (numpy's .npz); an existing one is replaced at once or not at all."""
-        mesh_values, mesh_arrays = _split(self.mesh, "mesh.")
-        values, arrays = _split(self, "")
-        del values["mesh"]
-        values |= {"format": FORMAT, "version": VERSION, "settings": asdict(self.settings)}
-        buffer = io.BytesIO()
-        arrays |= mesh_arrays | {"values": np.array(json.dumps(values | mesh_values, default=str))}
-        np.savez(buffer, allow_pickle=False, **arrays)
-        write_atomically(Path(path), buffer.getvalue())
+        save_surface(self, path)
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Surface:
@@ -136,58 +123,7 @@ class Surface:
         FormatError
             If the file cannot be read or is none of this version.
         """
-        try:
-            with np.load(path, allow_pickle=False) as file:
-                found = {name: file[name] for name in file.files}
-            found |= json.loads(str(found.pop("values")))
-            if (found.pop("format"), found.pop("version")) != (FORMAT, VERSION):
-                raise FormatError(f"{path}: not a prepared surface of version {VERSION}; prepare the mesh again")
-            mesh = {name[5:]: found.pop(name) for name in list(found) if name.startswith("mesh.")}
-            mesh["path"] = None if mesh["path"] is None else Path(mesh["path"])
-            found["settings"], found["warnings"] = PrepareSettings(**found["settings"]), tuple(found["warnings"])
-            return cls(mesh=Mesh(**mesh), **found)
-        except (OSError, ValueError, KeyError, TypeError, EOFError, zipfile.BadZipFile) as error:
-            if isinstance(error, FormatError):
-                raise
-            raise FormatError(f"{path}: not a readable prepared surface ({error}); prepare the mesh again") from error
-
-
-def _split(record: Surface | Mesh, prefix: str) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
-    """A record's fields that are no arrays, and its arrays."""
-    fields = {prefix + name: value for name, value in vars(record).items()}
-    arrays = {name: value for name, value in fields.items() if isinstance(value, np.ndarray)}
-    return {name: value for name, value in fields.items() if name not in arrays}, arrays
-
-
-def prepare(
-    thing: Any,
-    settings: PrepareSettings | None = None,
-    *,
-    progress: Progress | None = None,
-    **overrides: Any,
-) -> Surface:
-    """Make a mesh ready for matching.
-
-    Parameters
-    ----------
-    thing
-        A path, ``(vertices, faces)``, anything with both as attributes, or a Surface, which is returned as it is.
-    settings
-        A :class:`PrepareSettings`; single values can be given as keywords instead.
-    progress
-        Called as ``progress(stage, done, total)``.
-
-    Raises
-    ------
-    MeshError
-        If the mesh cannot be read or used; the message says why and what to do.
-    SettingsError
-        If a setting is out of range.
-    """
-    if isinstance(thing, Surface):
-        return thing
-    settings = settings or PrepareSettings(**overrides)
-    return prepare_mesh(matchable(thing), settings, progress)
+        return cls(**load_fields(path))
 
 
 def matchable(thing: Any) -> Mesh:

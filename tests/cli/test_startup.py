@@ -3,6 +3,7 @@
 import importlib.metadata
 import json
 
+import numba
 import pytest
 
 import mobius_match
@@ -18,9 +19,10 @@ main()
 """
 
 
-@pytest.mark.parametrize(
-    "arguments", [["--help"], ["--version"], ["match", "--help"], ["info", "--help"], ["demo", "--help"]]
-)
+COMMANDS = ("match", "info", "demo", "bench", "symmetry", "prepare", "cache")
+
+
+@pytest.mark.parametrize("arguments", [["--help"], ["--version"], *([name, "--help"] for name in COMMANDS)])
 def test_help_loads_nothing_heavy(start_process, arguments):
     out, err = start_process("-c", REPORT_MODULES, *arguments)
     assert out
@@ -45,14 +47,69 @@ def test_the_command_is_installed():
 def test_help_names_every_command(mobius):
     ended = mobius("--help")
     assert ended.code == 0
-    for name in ("match", "info", "demo"):
+    for name in COMMANDS:
         assert f"\n  {name}  " in ended.out
 
 
-def test_compiling_is_told_once_and_not_if_quiet(capsys):
-    for quiet, said in ((False, "compiling kernels (first run only)...\n"), (True, "")):
-        with Reporter(quiet) as reporter:
-            for done in (0, 1):
-                reporter.progress("compiling", done, 2)
-            reporter.progress("voting", 0, 2)
-        assert capsys.readouterr() == ("", said)
+@pytest.mark.parametrize("quiet", [False, True])
+def test_compiling_is_told_once_and_not_if_quiet_or_kept(capsys, quiet):
+    for source in ("def kernel(x): return x + 1", "def kernel(x): return x + 2"):
+        names = {}
+        exec(source, names)
+        kernel = numba.njit(names["kernel"])
+        for value in (1, 2.0, 3):  # compiled twice
+            with Reporter(quiet) as reporter, reporter.compiling():
+                kernel(value)
+                kernel(value)
+            said = capsys.readouterr()
+            told = "compiling kernels (first run only; up to 20 seconds or so)...\n"
+            assert said == ("", "" if quiet or value == 3 else told)
+
+
+MATCH = """
+import json, sys
+from mobius_match.cli import main
+try:
+    main()
+except SystemExit as ending:
+    sys.stderr.write("\\n" + json.dumps([ending.code or 0, sorted(sys.modules)]))
+"""
+
+
+def test_a_match_of_prepared_surfaces_loads_no_more_than_it_needs(start_process, mobius, pair, tmp_path):
+    result = tmp_path / "result.json"
+    options = ("--samples", "30", "--votes", "2000", "-o", str(result))
+    assert mobius("match", *pair[:2], *options).code == 0
+    _, err = start_process("-c", MATCH, "match", *map(str, pair[:2]), *options)
+    *lines, last = err.splitlines()
+    code, modules = json.loads(last)
+    assert code == 0
+    # The kernels were kept, so nothing is compiled, and nothing said of it.
+    number = len(json.loads(result.read_text())["correspondences"])
+    assert [line for line in lines if line] == [f"{number} correspondences written to {result}"]
+    unneeded = (HEAVY | {"scipy.spatial", "scipy.optimize"}) - {"numpy", "scipy", "numba"}
+    assert unneeded & set(modules) == set()
+
+
+READ_ONLY = """
+import sys
+import numba.core.caching as caching
+caching.CacheImpl._locator_classes = []  # as if no folder could be written
+from mobius_match import compiling
+
+@compiling.jit
+def kernel(x):
+    return x + 1
+
+told = []
+with compiling.on_compiling(lambda: told.append(compiling.compiling())):
+    sys.stdout.write(str(kernel(1)))
+sys.stderr.write("".join(told))
+"""
+
+
+def test_kernels_work_where_none_can_be_kept(start_process):
+    out, err = start_process("-c", READ_ONLY)
+    assert out == "2"
+    why = "every run: no folder can be written, name one in NUMBA_CACHE_DIR"
+    assert err == f"compiling kernels ({why}; up to 20 seconds or so)..."

@@ -1,8 +1,10 @@
 """Closest points on the faces around a vertex, against hand-made ones and a dense search."""
 
 import numpy as np
+import pytest
+from trimesh.triangles import closest_point
 
-from mobius_match.geometry.points import closest_points
+from mobius_match.geometry.points import closest_points, closest_weights
 from tests.shapes import lump
 
 SQUARE = np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]])
@@ -35,3 +37,26 @@ def test_faces_without_area_give_their_vertex():
     found = closest_points(vertices, np.array([[0, 1, 2]]), np.array([[0.4, 1.0, 0]]), np.array([1]))
     np.testing.assert_allclose(found.barycentric.sum(axis=1), 1)
     assert np.isfinite(found.barycentric).all()
+
+
+@pytest.mark.parametrize("flatness", [1.0, 1e-3, 0.0])
+def test_closest_points_of_triangles_are_those_of_trimesh(flatness):
+    """Queries above, beside and beyond all corners and edges; triangles may be slivers or lie on a line."""
+    generator = np.random.default_rng(3)
+    triangles = generator.normal(size=(3000, 3, 3))
+    triangles[:, 2] = triangles[:, 0] + 0.4 * (triangles[:, 1] - triangles[:, 0]) + flatness * triangles[:, 2]
+    queries = 2 * generator.normal(size=(3000, 3))
+    weights, apart = closest_weights(triangles, queries)
+    places = np.einsum("tk,tkd->td", weights, triangles)
+    assert weights.min() >= 0
+    np.testing.assert_allclose(weights.sum(axis=1), 1, atol=1e-12)
+    np.testing.assert_allclose(np.linalg.norm(places - queries, axis=1), apart, atol=1e-12)
+    np.testing.assert_allclose(places, closest_point(triangles, queries), atol=1e-9)
+    if flatness == 1:
+        assert set((weights > 0).sum(axis=1)) == {1, 2, 3}
+
+
+def test_the_closest_point_of_a_triangle_that_is_a_point():
+    weights, apart = closest_weights(np.ones((1, 3, 3)), np.array([[1.0, 1, 3]]))
+    assert weights.sum() == 1
+    assert apart == [2]

@@ -8,10 +8,12 @@ import typer
 
 from .. import __version__
 from .bench import bench
+from .cache import cache
 from .common import guarded
 from .demo import demo
 from .info import info
 from .match import match
+from .prepare import prepare
 from .symmetry import symmetry
 
 app = typer.Typer(
@@ -43,5 +45,5 @@ def mobius(
     """
 
 
-for command in (match, info, demo, bench, symmetry):
+for command in (match, info, demo, bench, symmetry, prepare, cache):
     app.command()(guarded(command))

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import contextlib
 import functools
+import logging
 import os
 import signal
 import sys
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from types import TracebackType
 from typing import TYPE_CHECKING, Any
 
@@ -91,16 +93,19 @@ def _ending(error: BaseException) -> tuple[int, str]:
 
 
 class Reporter:
-    """Notes and progress on standard error; nothing at all if quiet.
+    """Notes and progress on standard error, if verbose with what the library logs; nothing at all if quiet.
 
     A progress bar is drawn on a terminal only. Use as a context manager around the work; `progress` is what
     the library's functions take as their ``progress``.
     """
 
-    def __init__(self, quiet: bool) -> None:
+    def __init__(self, quiet: bool, verbose: bool = False) -> None:
         self.quiet = quiet
+        self.handler = _Handler(self.notes)
+        self.verbose = verbose
         self.bar: Progress | None = None
         self.stage = ""
+        self.compiles = False
 
     def __enter__(self) -> Reporter:
         if not self.quiet and sys.stderr.isatty():
@@ -111,12 +116,16 @@ class Reporter:
             columns = (name, BarColumn(), TimeElapsedColumn(), left, TimeRemainingColumn())
             self.bar = Progress(*columns, console=Console(stderr=True), transient=True)
             self.bar.start()
+        if self.verbose:
+            logging.getLogger("mobius_match").addHandler(self.handler)
+            logging.getLogger("mobius_match").setLevel(logging.INFO)
         return self
 
     def __exit__(self, *_: object) -> None:
         if self.bar is not None:
             self.bar.stop()
             self.bar = None
+        logging.getLogger("mobius_match").removeHandler(self.handler)
 
     def notes(self, lines: Iterable[str]) -> None:
         """Lines for the user, unless quiet."""
@@ -126,15 +135,34 @@ class Reporter:
             else:
                 self.bar.console.print(line, markup=False, highlight=False, emoji=False, soft_wrap=True)
 
+    @contextlib.contextmanager
+    def compiling(self) -> Iterator[None]:
+        """Say, once, what the user waits for if kernels have to be compiled meanwhile."""
+        from ..compiling import compiling, on_compiling
+
+        def tell() -> None:
+            if not self.compiles:
+                self.compiles = True
+                self.notes([compiling()])
+
+        with on_compiling(tell):
+            yield
+
     def progress(self, stage: str, done: int, total: int) -> None:
         """Show how far a stage of the work is."""
-        if stage == "compiling":
-            if self.stage != stage:
-                self.notes(["compiling kernels (first run only)..."])
-        elif self.bar is not None:
+        if self.bar is not None:
             if self.stage != stage:
                 for task in self.bar.task_ids:
                     self.bar.remove_task(task)
                 self.bar.add_task(stage)
             self.bar.update(self.bar.task_ids[-1], completed=done, total=total)
         self.stage = stage
+
+
+class _Handler(logging.Handler):
+    def __init__(self, notes: Callable[[Iterable[str]], None]) -> None:
+        super().__init__()
+        self._notes = notes
+
+    def emit(self, record: logging.LogRecord) -> None:
+        self._notes([record.getMessage()])

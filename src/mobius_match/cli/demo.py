@@ -7,10 +7,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from ..errors import SettingsError
 from .common import Reporter, say
 from .match import Quiet, Verbose, draw, run_match
-from .output import STDOUT, print_table, to_json, write
+from .output import STDOUT, make_folder, print_table, to_json, write
 
 if TYPE_CHECKING:
     import numpy as np
@@ -34,7 +33,7 @@ def demo(
     """
     from .. import examples
 
-    _make_folder(output)
+    make_folder(output)
     report = []
     with Reporter(quiet) as reporter:
         for name in examples.names():
@@ -54,13 +53,6 @@ def demo(
         print_table(_summary_table(report))
     if not quiet:
         say(f"Results (.json), tables (.csv) and pictures (.png) are in {output.resolve()}")
-
-
-def _make_folder(path: Path) -> None:
-    try:
-        path.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise SettingsError(f"--output: the folder {path} cannot be made ({error.strerror}).") from error
 
 
 def measure(result: Correspondence, true_faces: np.ndarray, true_weights: np.ndarray) -> dict[str, Any]:

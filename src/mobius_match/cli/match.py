@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -16,14 +17,22 @@ if TYPE_CHECKING:
     from rich.table import Table
 
     from ..correspondence import Correspondence
+    from ..surface import Surface
 
 Quiet = Annotated[bool, Option("--quiet", "-q", help="Show results and errors only.")]
 Verbose = Annotated[bool, Option("--verbose", "-v", help="Show timings, and the traceback of an error.")]
+NoCache = Annotated[
+    bool, Option("--no-cache", help="Prepare meshes anew; neither look for prepared ones nor keep them.")
+]
 
 
 def match(
     source: Annotated[
-        Path, Argument(metavar="SOURCE", help="Mesh to match from (OFF, OBJ, PLY, STL, GLB, glTF or VTK).")
+        Path,
+        Argument(
+            metavar="SOURCE",
+            help="Mesh to match from (OFF, OBJ, PLY, STL, GLB, glTF or VTK), or a file of 'mobius prepare'.",
+        ),
     ],
     target: Annotated[Path, Argument(metavar="TARGET", help="Mesh to match to.")],
     output: Annotated[
@@ -93,6 +102,7 @@ def match(
     alternatives: Annotated[
         bool, Option("--alternatives", help="Write the other explanations into the JSON, with their matches.")
     ] = False,
+    no_cache: NoCache = False,
     quiet: Quiet = False,
     verbose: Verbose = False,
 ) -> None:
@@ -119,8 +129,8 @@ def match(
     settings = merge(read_config(config) if config else {}, given)
     _check(settings, output, picture, (source, target))
 
-    with Reporter(quiet) as reporter:
-        result = run_match(source, target, reporter, settings)
+    with Reporter(quiet, verbose) as reporter:
+        result = run_match(source, target, reporter, settings, cache=not no_cache)
         if picture is not None:
             write(picture, draw(result))
             reporter.notes([f"picture written to {picture}"])
@@ -138,13 +148,31 @@ def match(
         print_table(_table(result))
 
 
-def run_match(source: Path, target: Path, reporter: Reporter, settings: dict[str, Any]) -> Correspondence:
+def run_match(
+    source: Path, target: Path, reporter: Reporter, settings: dict[str, Any], *, cache: bool = False
+) -> Correspondence:
     """Match two files with progress, and with what was noted on the way shown."""
     from ..matching import match as match_surfaces
 
-    result = match_surfaces(source, target, progress=reporter.progress, **settings)
+    with reporter.compiling():
+        result = match_surfaces(source, target, cache=cache, progress=reporter.progress, **settings)
+    for surface in (result.source, result.target):
+        reporter.notes(prepared_otherwise(surface, settings))
     reporter.notes(result.warnings)
     return result
+
+
+def prepared_otherwise(surface: Surface | None, settings: dict[str, Any]) -> list[str]:
+    """A note if settings were given that the surface, which a file held, was not prepared with."""
+    from ..settings import make_settings
+
+    if surface is None:
+        return []
+    wanted, held = asdict(make_settings(**settings).preparation()), asdict(surface.settings)
+    if not settings.keys() & {"preset", *held}:
+        return []
+    others = [f"{name} {value}" for name, value in held.items() if value != wanted[name]]
+    return [f"{surface.mesh.name}: stays prepared with {', '.join(others)}"] if others else []
 
 
 def draw(result: Correspondence) -> bytes:
@@ -175,7 +203,7 @@ def _table(result: Correspondence) -> Table:
     from rich.table import Table
 
     table = Table(title=f"{len(result)} correspondences", title_justify="left")
-    names = (Path(info["path"]).name for info in (result.source_info, result.target_info))
+    names = (Path(info["path"] or "array").name for info in (result.source_info, result.target_info))
     for heading in (
         "",
         *(f"{role} vertex\n{name}" for role, name in zip(("source", "target"), names, strict=True)),

@@ -40,6 +40,20 @@ def check_output(option: str, path: Path, inputs: Sequence[Path] = ()) -> None:
             raise SettingsError(f"{option}: {path} is one of the inputs and would be overwritten; name another file.")
 
 
+def make_folder(path: Path) -> None:
+    """Make the folder for several results, if need be.
+
+    Raises
+    ------
+    SettingsError
+        It cannot be made.
+    """
+    try:
+        path.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise SettingsError(f"--output: the folder {path} cannot be made ({error.strerror}).") from error
+
+
 def write(path: Path, content: bytes) -> None:
     """Write a file as a whole or not at all; `-` is standard output."""
     from ..correspondence import write_atomically

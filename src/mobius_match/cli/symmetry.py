@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 from typer import Argument, Option
 
 from .common import Reporter, say
-from .match import Quiet, Verbose, draw
+from .match import NoCache, Quiet, Verbose, draw, prepared_otherwise
 from .output import STDOUT, check_output, print_table, to_json, write
 
 if TYPE_CHECKING:
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 def symmetry(
-    mesh: Annotated[Path, Argument(metavar="MESH", help="Mesh file (OFF, OBJ, PLY, STL, GLB, glTF or VTK).")],
+    mesh: Annotated[Path, Argument(metavar="MESH", help="Mesh file, or one of 'mobius prepare'.")],
     output: Annotated[
         Path | None,
         Option("--output", "-o", metavar="FILE", help="Write the result as JSON; '-' is standard output."),
@@ -47,6 +47,7 @@ def symmetry(
         int | None, Option(metavar="N", help="Same seed, same result, whatever --jobs.  [default: 0]")
     ] = None,
     jobs: Annotated[int | None, Option(metavar="N", help="Threads.  [default: every processor]")] = None,
+    no_cache: NoCache = False,
     quiet: Quiet = False,
     verbose: Verbose = False,
 ) -> None:
@@ -64,13 +65,14 @@ def symmetry(
         "seed": seed,
         "jobs": jobs,
     }
-    settings = {name: value for name, value in options.items() if value is not None}
+    settings: dict[str, Any] = {name: value for name, value in options.items() if value is not None}
     _check(settings, output, picture, mesh)
 
     from ..mirror import symmetry as find_symmetry
 
-    with Reporter(quiet) as reporter:
-        result = find_symmetry(mesh, progress=reporter.progress, **settings)
+    with Reporter(quiet, verbose) as reporter, reporter.compiling():
+        result = find_symmetry(mesh, cache=not no_cache, progress=reporter.progress, **settings)
+        reporter.notes(prepared_otherwise(result.source, settings))
         reporter.notes(result.warnings)
         content = to_json(result.to_dict())
         if picture is not None:

@@ -18,6 +18,9 @@ class Died:
     """Stands for the result of a job whose process ended without one."""
 
 
+DIED = "the process that worked on it ended; most often there is not enough memory, fewer --jobs need less"
+
+
 class Workers:
     """Processes that jobs are given to; a context manager, which ends them if the work is interrupted."""
 

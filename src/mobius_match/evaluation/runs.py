@@ -9,20 +9,19 @@ from __future__ import annotations
 import hashlib
 import json
 import os
-import platform
 import shutil
 from dataclasses import dataclass
 from functools import cache
-from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
 from ..correspondence import write_atomically
 from ..errors import FormatError, SettingsError
 from ..settings import MatchSettings, make_settings
+from ..software import software
 from ..surface import Progress
 from .datasets import Case, Dataset
-from .pool import Died, Workers
+from .pool import DIED, Died, Workers
 from .work import failed, match_pair, prepare_one, record_of, score_dense, surface_path
 
 FORMAT = "mobius-match/bench-run"
@@ -136,9 +135,6 @@ def load_run(folder: str | os.PathLike[str]) -> Run:
     return Run(folder, info, [_read_json(path) for path in paths if path.exists()])
 
 
-DIED = "the process that worked on it ended; most often there is not enough memory, fewer --jobs need less"
-
-
 def _describe(
     dataset: Dataset,
     settings: MatchSettings,
@@ -148,7 +144,6 @@ def _describe(
     index_base: int | None,
 ) -> dict[str, Any]:
     """The content of run.json."""
-    names = ("mobius-match", "numpy", "scipy", "numba", "libigl", "potpourri3d")
     chosen = {name: value for name, value in settings.to_dict().items() if name != "jobs"}
     return {
         "format": FORMAT,
@@ -157,7 +152,7 @@ def _describe(
         "settings": {**chosen, "preset": preset},
         "scoring": scoring,
         "maps": None if maps is None else {"folder": str(maps), "index_base": index_base},
-        "software": {name: version(name) for name in names} | {"python": platform.python_version()},
+        "software": software(),
         "cases": [case.name for case in dataset.cases],
     }
 

@@ -15,8 +15,9 @@ import numpy as np
 from ..errors import MobiusError
 from ..matching import match
 from ..mesh import Mesh
+from ..preparing import prepare
 from ..settings import MatchSettings
-from ..surface import Surface, matchable, prepare
+from ..surface import Surface, matchable
 from .datasets import Case
 from .scoring import Scorer, cached_diameter, mesh_area
 from .vertexlists import read_vertices

@@ -61,21 +61,43 @@ def closest_points(
     vertices
         (q,) for each of them a vertex, on whose faces the closest point is looked for.
     """
-    from trimesh.triangles import closest_point, points_to_barycentric
-
     order = np.argsort(faces.ravel(), kind="stable")
     start = np.searchsorted(faces.ravel()[order], [vertices, vertices + 1])
     number = start[1] - start[0]
     row = np.repeat(np.arange(len(queries)), number)
     face = order[np.arange(len(row)) - np.repeat(np.cumsum(number) - number - start[0], number)] // 3
-    triangles = positions[faces[face]]
-    found = closest_point(triangles, queries[row])
-    apart = np.linalg.norm(found - queries[row], axis=1)
+    weights, apart = closest_weights(positions[faces[face]], queries[row])
     best = np.lexsort((apart, row))[np.cumsum(number) - number]
-    with np.errstate(divide="ignore", invalid="ignore"):
-        weights = np.clip(points_to_barycentric(triangles[best], found[best]), 0.0, 1.0)
-        weights /= weights.sum(axis=1, keepdims=True)
-    # A face without area has no barycentric coordinates: its vertex stands for it.
-    vertex = (faces[face[best]] == vertices[:, None]).astype(np.float64)
-    weights = np.where(np.isfinite(weights).all(axis=1, keepdims=True), weights, vertex)
-    return SurfacePoints(face[best], faces[face[best]], weights)
+    return SurfacePoints(face[best], faces[face[best]], weights[best])
+
+
+def closest_weights(triangles: np.ndarray, queries: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Barycentric coordinates (t, 3) of each triangle's point that is closest to a query, and the distance (t,).
+
+    Parameters
+    ----------
+    triangles, queries
+        (t, 3, 3) corners, which may lie on a line or in a point, and (t, 3) points in space, one for each triangle.
+    """
+    # The point below the query if it lies inside, else the closest on one of the edges; the nearest of the four.
+    one, two, to = triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0], queries - triangles[:, 0]
+    length1, length2, product = _dot(one, one), _dot(two, two), _dot(one, two)
+    along1, along2 = _dot(to, one), _dot(to, two)
+    candidates = np.zeros((4, len(triangles), 3))
+    with np.errstate(divide="ignore", invalid="ignore"):  # no area, or an edge of no length
+        inside = np.stack([along1 * length2 - along2 * product, along2 * length1 - along1 * product], axis=1)
+        candidates[3, :, 1:] = inside / (length1 * length2 - product**2)[:, None]
+        candidates[3, :, 0] = 1 - candidates[3, :, 1] - candidates[3, :, 2]
+        for k in range(3):
+            edge = triangles[:, (k + 1) % 3] - triangles[:, k]
+            step = _dot(queries - triangles[:, k], edge) / _dot(edge, edge)
+            candidates[k, :, (k + 1) % 3] = np.clip(np.nan_to_num(step), 0.0, 1.0)
+            candidates[k, :, k] = 1 - candidates[k, :, (k + 1) % 3]
+        apart = np.linalg.norm(np.einsum("ctk,tkd->ctd", candidates, triangles) - queries, axis=2)
+        apart[3, ~(candidates[3] >= 0).all(axis=1)] = np.inf
+    best, every = np.argmin(np.nan_to_num(apart, nan=np.inf), axis=0), np.arange(len(triangles))
+    return candidates[best, every], apart[best, every]
+
+
+def _dot(first: np.ndarray, second: np.ndarray) -> np.ndarray:
+    return np.einsum("td,td->t", first, second)

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from .kernel import jit
+from ..compiling import jit
 
 
 @jit

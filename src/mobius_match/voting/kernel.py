@@ -12,9 +12,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..compiling import jit
 from ..mobius import CANONICAL_TRIANGLE
 from .nearest import Least, Pairs, mutually_nearest, padded, room_for_least, room_for_pairs
-from .nearest import jit as jit
 
 INFINITE = 1e100  # stands for infinity among the samples: less any other sample it is the same, to the last digit
 FAR = 1e15  # stands for infinity in the canonical plane; its square still fits a float32

@@ -15,11 +15,9 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-import numba
 import numpy as np
 
-jit = numba.njit(cache=True, nogil=True, error_model="numpy")
-inlined = numba.njit(nogil=True, error_model="numpy", inline="always")
+from ..compiling import inlined, jit
 
 BLOCK = 8
 LARGEST = np.finfo(np.float32).max.view(np.int32)

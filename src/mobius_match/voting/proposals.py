@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-import numba
 import numpy as np
+
+from ..compiling import jit
 
 LEAST_SPREAD = 0.3
 """Least distance between the three source samples of a guided triplet, per sqrt(area)."""
@@ -33,7 +34,7 @@ def _distinct(generator: np.random.Generator, count: int, n: int) -> np.ndarray:
     return np.stack([first, second, third], axis=1)
 
 
-@numba.njit(cache=True, nogil=True)
+@jit
 def guided_triplets(
     generator: np.random.Generator,
     count: int,

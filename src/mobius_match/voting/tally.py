@@ -12,7 +12,6 @@ from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from functools import partial
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -127,8 +126,6 @@ def cast_votes(source: Surface, target: Surface, settings: MatchSettings, progre
     open_ended = settings.votes is None and settings.proposal == "guided"
     round_size = ROUND if open_ended else n_batches
     votes = _without_triplets(np.zeros((len(source.samples), len(target.samples))), 0, 0)
-    if progress is not None and not _is_compiled(settings.proposal):
-        progress("compiling", 0, 1)
     with ThreadPoolExecutor(settings.jobs or os.cpu_count() or 1) as pool:
         try:
             for start in range(0, n_batches, round_size):
@@ -157,13 +154,6 @@ def _settled(before: Votes, after: Votes) -> bool:
 def _without_triplets(matrix: np.ndarray, n_triplets: int, n_voting: int) -> Votes:
     none = np.empty((0, 3), np.int64)
     return Votes(matrix, n_triplets, n_voting, none, none, np.empty(0))
-
-
-def _is_compiled(proposal: str) -> bool:
-    """Whether the kernels are in numba's cache; compiling them takes some seconds, once."""
-    name, kernel = ("vote_weighted", vote_weighted) if proposal == "guided" else ("vote", vote)
-    folder = kernel.stats.cache_path
-    return folder is not None and any(Path(folder).glob(f"kernel.{name}-*.nbi"))
 
 
 def _uniform(source: Surface, target: Surface, settings: MatchSettings) -> tuple[Batch, tuple[str, ...]]:
