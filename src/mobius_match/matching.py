@@ -186,10 +186,14 @@ def _reported(
     threshold = CHANCE_THRESHOLD if settings.threshold is None else settings.threshold
     kept = np.flatnonzero((chance >= threshold) & (voted | (settings.recovery_radius > 0)))
     kept = kept[np.argsort(-chance[kept], kind="stable")]
+    points, mesh = points[kept], target.whole_mesh
+    if target.detail is not None:
+        points = target.detail.lifted(target.mesh, points)
     # Two neighbours may end at one vertex; the more confident one keeps it.
-    _, first = np.unique(points.nearest[kept], return_index=True)
-    kept = kept[np.sort(first)]
-    here, there, mesh = source.samples[kept], points[kept], target.mesh
+    _, first = np.unique(points.nearest, return_index=True)
+    first = np.sort(first)
+    kept, there = kept[first], points[first]
+    here = source.samples[kept]
     return {
         "pairs": np.stack([source.mesh.vertex_ids[here], mesh.vertex_ids[there.nearest]], axis=1),
         "confidence": chance[kept],

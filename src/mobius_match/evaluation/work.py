@@ -67,7 +67,7 @@ def match_pair(case: Case, scoring: str, folder: Path, settings: MatchSettings) 
     timings |= {name: seconds for name, seconds in result.timings.items() if name not in ("reading", "total")}
     timings["total"] = sum(timings.values())
     start = time.perf_counter()
-    scored = _scorer(case, source.mesh, target.mesh, scoring)
+    scored = _scorer(case, source.whole_mesh, target.whole_mesh, scoring)
     found = scored.score(result.pairs, result.confidence)
     timings["scoring"] = time.perf_counter() - start
     return {
@@ -78,7 +78,7 @@ def match_pair(case: Case, scoring: str, folder: Path, settings: MatchSettings) 
         "mirrored": _numbers(found["mirrored"]),
         "heat_difference": found["heat_difference"],
         "diameter": scored.diameter,
-        "area": mesh_area(target.mesh),
+        "area": mesh_area(target.whole_mesh),
         "coverage": found["coverage"],
         "ranking": found["ranking"],
         "dense": None,

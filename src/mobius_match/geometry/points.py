@@ -6,6 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..compiling import jit
+
+SEEN = 200
+"""Vertices that a search for the closest point passes at most."""
+
 
 @dataclass(frozen=True, eq=False)
 class SurfacePoints:
@@ -33,11 +38,18 @@ class SurfacePoints:
         """The corner that weighs most, (q,) int64."""
         return self.corners[np.arange(len(self.corners)), self.barycentric.argmax(axis=1)]
 
+    def values(self, at_vertices: np.ndarray) -> np.ndarray:
+        """Values (q, ...) at the points, of values (n, ...) at the vertices."""
+        return np.einsum("qk,qk...->q...", self.barycentric, at_vertices[self.corners])
+
 
 def closest_points(
     positions: np.ndarray, faces: np.ndarray, queries: np.ndarray, vertices: np.ndarray
 ) -> SurfacePoints:
-    """The points closest to others in space, on the faces around given vertices.
+    """The points of a surface closest to others in space, looked for from given vertices on.
+
+    The search begins on the faces around the vertex and moves on over the surface as long as that comes closer. So it
+    never jumps to another sheet of the surface that happens to be near.
 
     Parameters
     ----------
@@ -46,45 +58,91 @@ def closest_points(
     queries
         (q, 3) points in space.
     vertices
-        (q,) for each of them a vertex, on whose faces the closest point is looked for.
+        (q,) for each of them a vertex, on whose faces the search begins.
     """
-    order = np.argsort(faces.ravel(), kind="stable")
-    start = np.searchsorted(faces.ravel()[order], [vertices, vertices + 1])
-    number = start[1] - start[0]
-    row = np.repeat(np.arange(len(queries)), number)
-    face = order[np.arange(len(row)) - np.repeat(np.cumsum(number) - number - start[0], number)] // 3
-    weights, apart = closest_weights(positions[faces[face]], queries[row])
-    best = np.lexsort((apart, row))[np.cumsum(number) - number]
-    return SurfacePoints(face[best], faces[face[best]], weights[best])
+    order = np.argsort(faces.ravel(), kind="stable").astype(np.int32) // 3
+    start = np.concatenate([[0], np.cumsum(np.bincount(faces.ravel(), minlength=len(positions)))])
+    found, weights = np.empty(len(queries), np.int64), np.empty((len(queries), 3))
+    _descend(positions, faces, start, order, np.asarray(queries, np.float64), vertices, found, weights)
+    return SurfacePoints(found, faces[found], weights)
 
 
-def closest_weights(triangles: np.ndarray, queries: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Barycentric coordinates (t, 3) of each triangle's point that is closest to a query, and the distance (t,).
+@jit
+def _descend(
+    positions: np.ndarray,
+    faces: np.ndarray,
+    start: np.ndarray,
+    around: np.ndarray,
+    queries: np.ndarray,
+    seeds: np.ndarray,
+    found: np.ndarray,
+    weights: np.ndarray,
+) -> None:
+    """Write the face and the weights of the closest point for each query."""
+    trial, seen = np.empty(3), np.empty(SEEN, np.int64)
+    for i in range(len(queries)):
+        vertex, n_seen, nearest = seeds[i], 0, np.inf
+        found[i] = around[start[vertex]]
+        while n_seen < SEEN:
+            seen[n_seen] = vertex
+            n_seen += 1
+            for place in range(start[vertex], start[vertex + 1]):
+                face = around[place]
+                apart = _closest_on_triangle(queries[i], positions, faces[face], trial)
+                if apart < nearest:
+                    nearest = apart
+                    found[i] = face
+                    weights[i] = trial
+            # On to the corner of the best face next to the point, of those whose faces have not been seen.
+            best = -1
+            for k in range(3):
+                fresh = weights[i, k] > 0.0
+                for j in range(n_seen):
+                    fresh = fresh and seen[j] != faces[found[i], k]
+                if fresh and (best < 0 or weights[i, k] > weights[i, best]):
+                    best = k
+            if best < 0:
+                break
+            vertex = faces[found[i], best]
 
-    Parameters
-    ----------
-    triangles, queries
-        (t, 3, 3) corners, which may lie on a line or in a point, and (t, 3) points in space, one for each triangle.
-    """
-    # The point below the query if it lies inside, else the closest on one of the edges; the nearest of the four.
-    one, two, to = triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0], queries - triangles[:, 0]
-    length1, length2, product = _dot(one, one), _dot(two, two), _dot(one, two)
-    along1, along2 = _dot(to, one), _dot(to, two)
-    candidates = np.zeros((4, len(triangles), 3))
-    with np.errstate(divide="ignore", invalid="ignore"):  # no area, or an edge of no length
-        inside = np.stack([along1 * length2 - along2 * product, along2 * length1 - along1 * product], axis=1)
-        candidates[3, :, 1:] = inside / (length1 * length2 - product**2)[:, None]
-        candidates[3, :, 0] = 1 - candidates[3, :, 1] - candidates[3, :, 2]
+
+@jit
+def _closest_on_triangle(query: np.ndarray, positions: np.ndarray, face: np.ndarray, weights: np.ndarray) -> float:
+    """Write the barycentric coordinates of the point closest to the query (Ericson 2005); its squared distance."""
+    ab_ab = ab_ac = ac_ac = ab_ap = ac_ap = 0.0
+    for axis in range(3):
+        a = positions[face[0], axis]
+        ab, ac, ap = positions[face[1], axis] - a, positions[face[2], axis] - a, query[axis] - a
+        ab_ab += ab * ab
+        ab_ac += ab * ac
+        ac_ac += ac * ac
+        ab_ap += ab * ap
+        ac_ap += ac * ap
+    d3, d4 = ab_ap - ab_ab, ac_ap - ab_ac  # of the edges at a with the query seen from b
+    d5, d6 = ab_ap - ab_ac, ac_ap - ac_ac  # and from c
+    va, vb, vc = d3 * d6 - d5 * d4, d5 * ac_ap - ab_ap * d6, ab_ap * d4 - d3 * ac_ap
+    if ab_ap <= 0.0 and ac_ap <= 0.0:
+        v, w = 0.0, 0.0
+    elif d3 >= 0.0 and d4 <= d3:
+        v, w = 1.0, 0.0
+    elif d6 >= 0.0 and d5 <= d6:
+        v, w = 0.0, 1.0
+    elif vc <= 0.0 and ab_ap >= 0.0 and d3 <= 0.0:
+        v, w = ab_ap / (ab_ap - d3), 0.0
+    elif vb <= 0.0 and ac_ap >= 0.0 and d6 <= 0.0:
+        v, w = 0.0, ac_ap / (ac_ap - d6)
+    elif va <= 0.0 and d4 >= d3 and d5 >= d6:
+        w = (d4 - d3) / ((d4 - d3) + (d5 - d6))
+        v = 1.0 - w
+    elif va + vb + vc > 0.0:
+        v, w = vb / (va + vb + vc), vc / (va + vb + vc)
+    else:  # no area
+        v, w = 0.0, 0.0
+    weights[0], weights[1], weights[2] = max(1.0 - v - w, 0.0), v, w
+    squared = 0.0
+    for axis in range(3):
+        place = 0.0
         for k in range(3):
-            edge = triangles[:, (k + 1) % 3] - triangles[:, k]
-            step = _dot(queries - triangles[:, k], edge) / _dot(edge, edge)
-            candidates[k, :, (k + 1) % 3] = np.clip(np.nan_to_num(step), 0.0, 1.0)
-            candidates[k, :, k] = 1 - candidates[k, :, (k + 1) % 3]
-        apart = np.linalg.norm(np.einsum("ctk,tkd->ctd", candidates, triangles) - queries, axis=2)
-        apart[3, ~(candidates[3] >= 0).all(axis=1)] = np.inf
-    best, every = np.argmin(np.nan_to_num(apart, nan=np.inf), axis=0), np.arange(len(triangles))
-    return candidates[best, every], apart[best, every]
-
-
-def _dot(first: np.ndarray, second: np.ndarray) -> np.ndarray:
-    return np.einsum("td,td->t", first, second)
+            place += weights[k] * positions[face[k], axis]
+        squared += (place - query[axis]) ** 2
+    return squared
