@@ -12,7 +12,7 @@ from .mesh import Mesh, require_matchable
 from .mesh.measure import unit_box
 from .mesh.simplify import simplify
 
-LARGER = 1.25
+LARGER = 1.5
 """A mesh is simplified if it has so many times the vertices that it is simplified to."""
 
 

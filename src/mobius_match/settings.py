@@ -43,7 +43,7 @@ class PrepareSettings:
     placement
         Where a sample lies in the plane: ``"mean"`` of the mid-edges around it, or the ``"closest"`` mid-edge.
     resolution
-        A mesh of more than a quarter more vertices than this is simplified to so many, and results are carried back
+        A mesh of half as many vertices again, or more, is simplified to so many, and results are carried back
         to the whole; 0 computes on all vertices.
     """
 

@@ -11,6 +11,9 @@ from ..compiling import jit
 SEEN = 200
 """Vertices that a search for the closest point passes at most."""
 
+FLAT = 1e-14
+"""Squared sine of the angle below which a triangle is taken for a line."""
+
 
 @dataclass(frozen=True, eq=False)
 class SurfacePoints:
@@ -108,41 +111,44 @@ def _descend(
 
 @jit
 def _closest_on_triangle(query: np.ndarray, positions: np.ndarray, face: np.ndarray, weights: np.ndarray) -> float:
-    """Write the barycentric coordinates of the point closest to the query (Ericson 2005); its squared distance."""
-    ab_ab = ab_ac = ac_ac = ab_ap = ac_ap = 0.0
+    """Write the barycentric coordinates of the point closest to the query; its squared distance."""
+    one_one = one_two = two_two = one_to = two_to = 0.0
     for axis in range(3):
-        a = positions[face[0], axis]
-        ab, ac, ap = positions[face[1], axis] - a, positions[face[2], axis] - a, query[axis] - a
-        ab_ab += ab * ab
-        ab_ac += ab * ac
-        ac_ac += ac * ac
-        ab_ap += ab * ap
-        ac_ap += ac * ap
-    d3, d4 = ab_ap - ab_ab, ac_ap - ab_ac  # of the edges at a with the query seen from b
-    d5, d6 = ab_ap - ab_ac, ac_ap - ac_ac  # and from c
-    va, vb, vc = d3 * d6 - d5 * d4, d5 * ac_ap - ab_ap * d6, ab_ap * d4 - d3 * ac_ap
-    if ab_ap <= 0.0 and ac_ap <= 0.0:
-        v, w = 0.0, 0.0
-    elif d3 >= 0.0 and d4 <= d3:
-        v, w = 1.0, 0.0
-    elif d6 >= 0.0 and d5 <= d6:
-        v, w = 0.0, 1.0
-    elif vc <= 0.0 and ab_ap >= 0.0 and d3 <= 0.0:
-        v, w = ab_ap / (ab_ap - d3), 0.0
-    elif vb <= 0.0 and ac_ap >= 0.0 and d6 <= 0.0:
-        v, w = 0.0, ac_ap / (ac_ap - d6)
-    elif va <= 0.0 and d4 >= d3 and d5 >= d6:
-        w = (d4 - d3) / ((d4 - d3) + (d5 - d6))
-        v = 1.0 - w
-    elif va + vb + vc > 0.0:
-        v, w = vb / (va + vb + vc), vc / (va + vb + vc)
-    else:  # no area
-        v, w = 0.0, 0.0
-    weights[0], weights[1], weights[2] = max(1.0 - v - w, 0.0), v, w
-    squared = 0.0
+        origin = positions[face[0], axis]
+        one, two, to = positions[face[1], axis] - origin, positions[face[2], axis] - origin, query[axis] - origin
+        one_one += one * one
+        one_two += one * two
+        two_two += two * two
+        one_to += one * to
+        two_to += two * to
+    whole = one_one * two_two - one_two * one_two
+    v, w = (one_to * two_two - two_to * one_two) / whole, (two_to * one_one - one_to * one_two) / whole
+    if v >= 0.0 and w >= 0.0 and v + w <= 1.0 and whole > FLAT * one_one * two_two:
+        weights[0], weights[1], weights[2] = 1.0 - v - w, v, w
+        return _squared(query, positions, face, weights)
+    # Not above the triangle, or it is none: the closest point of one of the edges.
+    nearest, first, step = np.inf, 0, 0.0
+    for k in range(3):
+        along, length = 0.0, 0.0
+        for axis in range(3):
+            edge = positions[face[(k + 1) % 3], axis] - positions[face[k], axis]
+            along += (query[axis] - positions[face[k], axis]) * edge
+            length += edge * edge
+        part = min(max(along / length, 0.0), 1.0) if length > 0.0 else 0.0
+        weights[k], weights[(k + 1) % 3], weights[(k + 2) % 3] = 1.0 - part, part, 0.0
+        apart = _squared(query, positions, face, weights)
+        if apart < nearest:
+            nearest, first, step = apart, k, part
+    weights[first], weights[(first + 1) % 3], weights[(first + 2) % 3] = 1.0 - step, step, 0.0
+    return nearest
+
+
+@jit
+def _squared(query: np.ndarray, positions: np.ndarray, face: np.ndarray, weights: np.ndarray) -> float:
+    total = 0.0
     for axis in range(3):
-        place = 0.0
+        apart = -query[axis]
         for k in range(3):
-            place += weights[k] * positions[face[k], axis]
-        squared += (place - query[axis]) ** 2
-    return squared
+            apart += weights[k] * positions[face[k], axis]
+        total += apart * apart
+    return total
