@@ -16,7 +16,7 @@ from .geometry.points import SurfacePoints, closest_points
 from .hypotheses import Explanation, explanations, finer_targets
 from .matrix_processing import linear_assignment, max_row_column, normalized, recover
 from .partial import part_places
-from .preparing import finished, opened
+from .preparing import each, finished, opened
 from .registration import register
 from .settings import MatchSettings, make_settings
 from .software import software
@@ -85,13 +85,15 @@ def match(
     start = time.perf_counter()
     # Both are read and checked before the work on either begins.
     preparation = chosen.preparation()
-    begun = [opened(thing, preparation, cache) for thing in (source, target)]
+    things = source, target
+    begun = each(lambda i, _: opened(things[i], preparation, cache), 2, chosen.jobs, progress)
     timings = {"reading": time.perf_counter() - start}
-    surfaces = []
-    for side, thing, half in zip(("source", "target"), (source, target), begun, strict=True):
-        surfaces.append(finished(thing, half, preparation, cache, progress))
-        if half is not surfaces[-1]:
-            timings |= {f"{side} {name}": seconds for name, seconds in surfaces[-1].timings.items()}
+    begin = time.perf_counter()
+    surfaces = each(lambda i, tell: finished(things[i], begun[i], preparation, cache, tell), 2, chosen.jobs, progress)
+    for side, half, surface in zip(("source", "target"), begun, surfaces, strict=True):
+        if half is not surface:
+            timings |= {f"{side} {name}": seconds for name, seconds in surface.timings.items()}
+    timings["preparation"] = time.perf_counter() - begin
     first, second = surfaces
     begin = time.perf_counter()
     votes = cast_votes(first, second, chosen, progress)
