@@ -108,7 +108,7 @@ def _check(path: Any, most: int, size: tuple[int, int]) -> None:
 def _mesh(surface: Any, info: dict[str, Any]) -> Mesh:
     """The repaired mesh of one side, read again where the result comes from a file."""
     if surface is not None:
-        return surface.mesh
+        return surface.whole_mesh
     if info.get("path") is None:
         raise MeshError("the loaded result was made from arrays, which it does not hold; match again, then draw")
     mesh = as_mesh(info["path"])

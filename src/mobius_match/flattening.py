@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from .compiling import jit
-from .geometry.laplacian import IntrinsicMesh, corner_cotangents, cotangent_laplacian, factorized
+from .geometry.laplacian import IntrinsicMesh, corner_cotangents
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,43 +72,48 @@ def flatten(mesh: IntrinsicMesh, cut_face: int) -> Flattening:
     cut_face
         Number of the face to cut out.
     """
-    keep = np.arange(len(mesh.faces)) != cut_face
-    open_mesh = IntrinsicMesh(
-        mesh.faces[keep], mesh.lengths[keep], mesh.face_edges[keep], mesh.n_vertices, mesh.n_edges
-    )
     # The ends of the face's longest edge are fixed, so that the order of its vertices does not matter.
     apex = int(np.argmax(mesh.lengths[cut_face]))
     low, high = np.sort(np.delete(mesh.faces[cut_face], apex))
-    harmonic = _harmonic(open_mesh, low, high)
-    steps = _conjugate_steps(open_mesh, harmonic)
-    conjugate = _integrate(open_mesh.face_edges, steps, mesh.n_edges)
+    cotangents = corner_cotangents(mesh.lengths)
+    harmonic = _harmonic(mesh, cotangents[cut_face], cut_face, low, high)
+    keep = np.arange(len(mesh.faces)) != cut_face
+    open_edges = mesh.face_edges[keep]
+    steps = _conjugate_steps(mesh.faces[keep], cotangents[keep], harmonic)
+    conjugate = _integrate(open_edges, steps, mesh.n_edges)
     ends = np.empty((mesh.n_edges, 2), np.int64)
     ends[mesh.face_edges] = np.stack([mesh.faces[:, [1, 2, 0]], mesh.faces[:, [2, 0, 1]]], axis=-1)
     positions = harmonic[ends].mean(axis=1) + 1j * conjugate
-    found = conjugate[open_mesh.face_edges] - conjugate[np.roll(open_mesh.face_edges, -1, axis=1)]
+    found = conjugate[open_edges] - conjugate[np.roll(open_edges, -1, axis=1)]
     with np.errstate(invalid="ignore"):
         extent = np.nanmax(np.abs(positions - np.nanmean(positions)))
         closure = np.nanmax(np.abs(found - steps)) / extent
     return Flattening(positions, harmonic, cut_face, float(closure))
 
 
-def _harmonic(mesh: IntrinsicMesh, low: int, high: int) -> np.ndarray:
-    """Equation 1 with the value -1 at one vertex of the cut face and 1 at another."""
-    laplacian = cotangent_laplacian(mesh).tocsc()
-    values = np.zeros(mesh.n_vertices)
-    values[[low, high]] = -1.0, 1.0
-    free = np.setdiff1d(np.arange(mesh.n_vertices), [low, high])
-    values[free] = factorized(laplacian[free][:, free]).solve(-(laplacian[free] @ values))
-    return values
+def _harmonic(mesh: IntrinsicMesh, cotangents: np.ndarray, cut_face: int, low: int, high: int) -> np.ndarray:
+    """Equation 1 without a face, with the value -1 at one of its vertices and 1 at another."""
+    laplacian = mesh.laplacian.copy()
+    for corner, cotangent in enumerate(cotangents):
+        i, j = mesh.faces[cut_face, [corner - 2, corner - 1]]
+        for row, column in ((i, i), (j, j), (i, j), (j, i)):
+            laplacian[row, column] += (0.5 if row != column else -0.5) * cotangent
+    fixed = np.zeros(mesh.n_vertices)
+    fixed[[low, high]] = -1.0, 1.0
+    right = np.where(fixed == 0, -(laplacian @ fixed), fixed)
+    # Rows and columns of the fixed vertices become those of the identity.
+    rows = np.repeat(np.arange(mesh.n_vertices), np.diff(laplacian.indptr))
+    bound = (fixed[rows] != 0) | (fixed[laplacian.indices] != 0)
+    entries = np.where(bound, 1.0 * (rows == laplacian.indices), laplacian.data)
+    return mesh.pattern.factors(entries).solve(right)
 
 
-def _conjugate_steps(mesh: IntrinsicMesh, u: np.ndarray) -> np.ndarray:
+def _conjugate_steps(faces: np.ndarray, cotangents: np.ndarray, u: np.ndarray) -> np.ndarray:
     """Equation 2 in every face: u*_r - u*_s, (m, 3), where r and s are the mid-edges opposite corners c and c + 1.
 
     With the corner c called k, c + 1 called i and c + 2 called j, mid-edge r lies on edge (i, j) and s on (j, k).
     """
-    cotangents = corner_cotangents(mesh.lengths)
-    u_k, u_i, u_j = (u[np.roll(mesh.faces, -shift, axis=1)] for shift in range(3))
+    u_k, u_i, u_j = (u[np.roll(faces, -shift, axis=1)] for shift in range(3))
     cot_k, cot_i = cotangents, np.roll(cotangents, -1, axis=1)
     return 0.5 * ((u_i - u_j) * cot_k + (u_k - u_j) * cot_i)
 

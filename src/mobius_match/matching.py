@@ -16,7 +16,7 @@ from .geometry.points import SurfacePoints, closest_points
 from .hypotheses import TRUSTED, Explanation, contested, explanations, spread_to_surface
 from .matrix_processing import linear_assignment, max_row_column, normalized, recover
 from .partial import part_places
-from .preparing import finished, opened
+from .preparing import each, finished, opened
 from .settings import MatchSettings, make_settings
 from .software import software
 from .surface import Progress, Surface
@@ -87,13 +87,15 @@ def match(
     start = time.perf_counter()
     # Both are read and checked before the work on either begins.
     preparation = chosen.preparation()
-    begun = [opened(thing, preparation, cache) for thing in (source, target)]
+    things = source, target
+    begun = each(lambda i, _: opened(things[i], preparation, cache), 2, chosen.jobs, progress)
     timings = {"reading": time.perf_counter() - start}
-    surfaces = []
-    for side, thing, half in zip(("source", "target"), (source, target), begun, strict=True):
-        surfaces.append(finished(thing, half, preparation, cache, progress))
-        if half is not surfaces[-1]:
-            timings |= {f"{side} {name}": seconds for name, seconds in surfaces[-1].timings.items()}
+    begin = time.perf_counter()
+    surfaces = each(lambda i, tell: finished(things[i], begun[i], preparation, cache, tell), 2, chosen.jobs, progress)
+    for side, half, surface in zip(("source", "target"), begun, surfaces, strict=True):
+        if half is not surface:
+            timings |= {f"{side} {name}": seconds for name, seconds in surface.timings.items()}
+    timings["preparation"] = time.perf_counter() - begin
     first, second = surfaces
     begin = time.perf_counter()
     votes = cast_votes(first, second, chosen, progress)
@@ -189,10 +191,14 @@ def _reported(
     threshold = CHANCE_THRESHOLD if settings.threshold is None else settings.threshold
     kept = np.flatnonzero((chance >= threshold) & (voted | (settings.recovery_radius > 0)))
     kept = kept[np.argsort(-chance[kept], kind="stable")]
+    points, mesh = points[kept], target.whole_mesh
+    if target.detail is not None:
+        points = target.detail.lifted(target.mesh, points)
     # Two neighbours may end at one vertex; the more confident one keeps it.
-    _, first = np.unique(points.nearest[kept], return_index=True)
-    kept = kept[np.sort(first)]
-    here, there, mesh = source.samples[kept], points[kept], target.mesh
+    _, first = np.unique(points.nearest, return_index=True)
+    first = np.sort(first)
+    kept, there = kept[first], points[first]
+    here = source.samples[kept]
     return {
         "pairs": np.stack([source.mesh.vertex_ids[here], mesh.vertex_ids[there.nearest]], axis=1),
         "confidence": chance[kept],

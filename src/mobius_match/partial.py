@@ -16,7 +16,7 @@ import scipy
 
 from .confidence import interpolated, neighbour_means
 from .geometry.curvature import gauss_curvature, mean_curvature
-from .geometry.laplacian import intrinsic_mesh, vertex_areas
+from .geometry.laplacian import intrinsic_mesh
 from .geometry.points import SurfacePoints, closest_points
 from .geometry.spectral import nearest_rows
 from .hypotheses import group_triplets, rank_correlation
@@ -277,7 +277,7 @@ def _curvatures(surface: Surface, scale: float) -> np.ndarray:
     """Gauss and mean curvature (n, 6) at the radii, in common units."""
     vertices = (surface.mesh.vertices - surface.mesh.vertices.mean(axis=0)) / scale
     mesh = intrinsic_mesh(vertices, surface.mesh.faces)
-    size = np.sqrt(vertex_areas(mesh).sum())
+    size = np.sqrt(mesh.areas.sum())
     columns = []
     for radius in RADII:
         columns.append(gauss_curvature(mesh, radius / size) / size**2)

@@ -12,7 +12,7 @@ import numpy as np
 
 from .geometry.curvature import gauss_curvature
 from .geometry.geodesics import DistanceFunction
-from .geometry.laplacian import IntrinsicMesh, vertex_areas
+from .geometry.laplacian import IntrinsicMesh
 
 SMOOTHING_RADIUS = 0.02
 """Width that curvature is smoothed to, in units of sqrt(area)."""
@@ -58,7 +58,7 @@ def sample_points(mesh: IntrinsicMesh, distances_from: DistanceFunction, count: 
         Number of samples N; a mesh with fewer vertices gives all its vertices.
     """
     count = min(count, mesh.n_vertices)
-    radius = MAXIMUM_RADIUS * np.sqrt(vertex_areas(mesh).sum())
+    radius = MAXIMUM_RADIUS * np.sqrt(mesh.areas.sum())
     curvature = gauss_curvature(mesh, SMOOTHING_RADIUS)
     chosen: list[int] = []
     rows: list[np.ndarray] = []

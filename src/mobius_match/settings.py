@@ -42,18 +42,23 @@ class PrepareSettings:
         ``"delaunay"`` flattens the intrinsic Delaunay triangulation, ``"mesh"`` the mesh's own triangles.
     placement
         Where a sample lies in the plane: ``"mean"`` of the mid-edges around it, or the ``"closest"`` mid-edge.
+    resolution
+        A mesh of half as many vertices again, or more, is simplified to so many, and results are carried back
+        to the whole; 0 computes on all vertices.
     """
 
     samples: int = 100
     geodesics: str = "heat"
     triangulation: str = "delaunay"
     placement: str = "mean"
+    resolution: int = 8000
 
     def __post_init__(self) -> None:
         _check_whole("samples", self.samples, 4, 5000)
         _check_choice("geodesics", self.geodesics, ("heat", "dijkstra"))
         _check_choice("triangulation", self.triangulation, ("delaunay", "mesh"))
         _check_choice("placement", self.placement, ("mean", "closest"))
+        _check_whole("resolution", self.resolution, 0, 10**9)
 
 
 @dataclass(frozen=True)
@@ -140,6 +145,7 @@ PRESETS: dict[str, dict[str, Any]] = {
         "geodesics": "dijkstra",
         "triangulation": "mesh",
         "placement": "closest",
+        "resolution": 0,
         "proposal": "uniform",
         "distance": "euclidean",
         "min_fraction": 0.4,

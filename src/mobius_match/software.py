@@ -10,5 +10,5 @@ from importlib.metadata import version
 @cache
 def software() -> dict[str, str]:
     """Versions of what results depend on."""
-    names = ("mobius-match", "numpy", "scipy", "numba", "libigl", "potpourri3d")
+    names = ("mobius-match", "numpy", "scipy", "numba", "libigl")
     return {name: version(name) for name in names} | {"python": platform.python_version()}

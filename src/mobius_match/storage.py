@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .correspondence import write_atomically
+from .detail import Detail
 from .errors import FormatError
 from .mesh import Mesh
 from .settings import PrepareSettings
@@ -22,18 +23,24 @@ if TYPE_CHECKING:
 
 ENDING = ".npz"
 FORMAT = "mobius-match/surface"
-VERSION = 1
+VERSION = 2
 """To be raised whenever other numbers come out of the preparation, or go into the file."""
 
 
 def save_surface(surface: Surface, path: str | os.PathLike[str]) -> None:
     """Write a surface to a file (numpy's .npz); an existing one is replaced at once or not at all."""
-    mesh_values, mesh_arrays = _split(surface.mesh, "mesh.")
     values, arrays = _split(surface, "")
-    del values["mesh"]
+    del values["mesh"], values["detail"]
+    parts: dict[str, Mesh | Detail] = {"mesh.": surface.mesh}
+    if surface.detail is not None:
+        parts |= {"detail.": surface.detail, "detail.mesh.": surface.detail.mesh}
+    for prefix, part in parts.items():
+        more = _split(part, prefix)
+        values |= {name: value for name, value in more[0].items() if name != "detail.mesh"}
+        arrays |= more[1]
     values |= {"format": FORMAT, "version": VERSION, "settings": asdict(surface.settings)}
     buffer = io.BytesIO()
-    arrays |= mesh_arrays | {"values": np.array(json.dumps(values | mesh_values, default=str))}
+    arrays |= {"values": np.array(json.dumps(values, default=str))}
     np.savez(buffer, allow_pickle=False, **arrays)
     write_atomically(Path(path), buffer.getvalue())
 
@@ -56,17 +63,28 @@ def load_fields(path: str | os.PathLike[str]) -> dict[str, Any]:
         found |= json.loads(str(found.pop("values")))
         if (found.pop("format"), found.pop("version")) != (FORMAT, VERSION):
             raise FormatError(f"{path}: not a prepared surface of version {VERSION}; prepare the mesh again")
-        mesh = {name[5:]: found.pop(name) for name in list(found) if name.startswith("mesh.")}
-        mesh["path"] = None if mesh["path"] is None else Path(mesh["path"])
+        whole = _mesh(found, "detail.mesh.") if "detail.mesh.vertices" in found else None
+        found["detail"] = None if whole is None else Detail(whole, **_taken(found, "detail."))
+        found["mesh"] = _mesh(found, "mesh.")
         found["settings"], found["warnings"] = PrepareSettings(**found["settings"]), tuple(found["warnings"])
-        return {"mesh": Mesh(**mesh), **found}
+        return found
     except FormatError:
         raise
     except Exception as error:  # a damaged archive makes numpy fail in many ways
         raise FormatError(f"{path}: not a readable prepared surface ({error}); prepare the mesh again") from error
 
 
-def _split(record: Surface | Mesh, prefix: str) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
+def _taken(found: dict[str, Any], prefix: str) -> dict[str, Any]:
+    """Take the fields with this prefix out."""
+    return {name.removeprefix(prefix): found.pop(name) for name in list(found) if name.startswith(prefix)}
+
+
+def _mesh(found: dict[str, Any], prefix: str) -> Mesh:
+    fields = _taken(found, prefix)
+    return Mesh(**fields | {"path": None if fields["path"] is None else Path(fields["path"])})
+
+
+def _split(record: Surface | Mesh | Detail, prefix: str) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
     """A record's fields that are no arrays, and its arrays."""
     fields = {prefix + name: value for name, value in vars(record).items()}
     arrays = {name: value for name, value in fields.items() if isinstance(value, np.ndarray)}

@@ -11,11 +11,12 @@ from typing import Any
 import numpy as np
 from threadpoolctl import threadpool_limits
 
+from .detail import Detail, simplified
 from .errors import MeshError
 from .flattening import choose_cut_face, flatten, vertex_positions
 from .geometry.curvature import gauss_curvature, mean_curvature
-from .geometry.geodesics import geodesic_solver, nearest_centres
-from .geometry.laplacian import intrinsic_mesh, vertex_areas
+from .geometry.geodesics import geodesic_solver, heat_solver, nearest_centres
+from .geometry.laplacian import intrinsic_mesh
 from .geometry.spectral import eigenbasis, wave_kernel_signature
 from .mesh import Mesh, as_mesh, repair, require_matchable
 from .sampling import proxy_points, sample_points
@@ -41,7 +42,9 @@ class Surface:
     Parameters
     ----------
     mesh
-        The repaired mesh.
+        The repaired mesh, or a simplified one where that is large; all vertex numbers below are its own.
+    detail
+        The repaired mesh and how the simplified one lies on it; None where nothing was simplified.
     settings
         What it was prepared with.
     samples
@@ -80,6 +83,7 @@ class Surface:
     """
 
     mesh: Mesh
+    detail: Detail | None
     settings: PrepareSettings
     samples: np.ndarray
     n_maxima: int
@@ -99,6 +103,11 @@ class Surface:
     diameter: float
     timings: dict[str, float]
     warnings: tuple[str, ...]
+
+    @property
+    def whole_mesh(self) -> Mesh:
+        """The repaired mesh with all of the user's vertices."""
+        return self.mesh if self.detail is None else self.detail.mesh
 
     @property
     def normalized_distances(self) -> np.ndarray:
@@ -149,14 +158,20 @@ def prepare_mesh(mesh: Mesh, settings: PrepareSettings, progress: Progress | Non
 def _prepare(mesh: Mesh, settings: PrepareSettings, progress: Progress) -> Surface:
     warnings = []
     clock = _Clock()
+    mesh, detail = simplified(mesh, settings.resolution) if settings.resolution else (mesh, None)
+    if detail:
+        clock.lap("simplifying")
     # A box of size 1 keeps squares and areas far from overflow, whatever the units of the file.
     scale = float(np.ptp(mesh.vertices, axis=0).max())
     vertices = (mesh.vertices - mesh.vertices.mean(axis=0)) / scale
     triangulation = intrinsic_mesh(vertices, mesh.faces, delaunay=settings.triangulation == "delaunay")
-    areas = vertex_areas(triangulation)
+    areas = triangulation.areas
     area = float(areas.sum())
     progress(f"sampling {mesh.name}", 0, 3)
-    solver = geodesic_solver(vertices, mesh.faces, settings.geodesics)
+    if (settings.geodesics, settings.triangulation) == ("heat", "delaunay"):
+        solver = heat_solver(triangulation)
+    else:
+        solver = geodesic_solver(vertices, mesh.faces, settings.geodesics)
     samples = sample_points(triangulation, solver, settings.samples)
     if not np.isfinite(samples.distances).all():
         raise MeshError(f"{mesh.name}: geodesic distances could not be computed; check the mesh for sliver triangles")
@@ -197,6 +212,7 @@ def _prepare(mesh: Mesh, settings: PrepareSettings, progress: Progress) -> Surfa
     progress(f"prepared {mesh.name}", 3, 3)
     return Surface(
         mesh=mesh,
+        detail=detail,
         settings=settings,
         samples=samples.vertices,
         n_maxima=samples.n_maxima,

@@ -9,7 +9,7 @@ import pytest
 import mobius_match
 from mobius_match.cli.common import Reporter
 
-HEAVY = {"numpy", "scipy", "numba", "trimesh", "meshio", "igl", "potpourri3d", "matplotlib", "rich"}
+HEAVY = {"numpy", "scipy", "numba", "trimesh", "meshio", "igl", "matplotlib", "rich"}
 
 REPORT_MODULES = """
 import atexit, json, sys

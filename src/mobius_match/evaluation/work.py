@@ -71,7 +71,7 @@ def match_pair(case: Case, scoring: str, folder: Path, settings: MatchSettings, 
         timings["dense map"] = time.perf_counter() - start
     timings["total"] = sum(timings.values())
     start = time.perf_counter()
-    scored = _scorer(case, source.mesh, target.mesh, scoring)
+    scored = _scorer(case, source.whole_mesh, target.whole_mesh, scoring)
     found = scored.score(result.pairs, result.confidence)
     of_map = _dense(scored.score_map(spread.vertices)) if spread else None
     timings["scoring"] = time.perf_counter() - start
@@ -83,7 +83,7 @@ def match_pair(case: Case, scoring: str, folder: Path, settings: MatchSettings, 
         "mirrored": _numbers(found["mirrored"]),
         "heat_difference": found["heat_difference"],
         "diameter": scored.diameter,
-        "area": mesh_area(target.mesh),
+        "area": mesh_area(target.whole_mesh),
         "coverage": found["coverage"],
         "ranking": found["ranking"],
         "dense": of_map,

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-import scipy.sparse as sp
 
 from ..mesh.measure import cross_products, vertex_sums
-from .laplacian import IntrinsicMesh, corner_angles, cotangent_laplacian, factorized, unit_masses, vertex_areas
+from .laplacian import IntrinsicMesh, corner_angles
 
 STEPS = 5
 
@@ -43,8 +42,8 @@ def mean_curvature(mesh: IntrinsicMesh, vertices: np.ndarray, faces: np.ndarray,
     normals = vertex_sums(faces, cross_products(vertices, faces), len(vertices))
     normals = normals / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), np.finfo(float).tiny)
     # The Laplacian of the position is the mean curvature normal, integrated over the vertex's cell.
-    integrated = 0.5 * np.einsum("ij,ij->i", cotangent_laplacian(mesh) @ vertices, normals)
-    scale = np.sqrt(vertex_areas(mesh).sum())
+    integrated = 0.5 * np.einsum("ij,ij->i", mesh.laplacian @ vertices, normals)
+    scale = np.sqrt(mesh.areas.sum())
     return smoothed_density(mesh, np.where(_on_boundary(mesh), 0.0, integrated / scale), radius)
 
 
@@ -53,12 +52,11 @@ def smoothed_density(mesh: IntrinsicMesh, integrated: np.ndarray, radius: float)
 
     It spreads by small implicit steps of the heat equation to the given width, per sqrt(area); its integral stays.
     """
-    masses = unit_masses(mesh)
     # The Laplacian has no units in two dimensions; masses of a unit surface make the step free of scale.
-    heat = factorized(sp.diags(masses) + radius**2 / STEPS * cotangent_laplacian(mesh))
+    heat = mesh.pattern.factors(radius**2 / STEPS * mesh.laplacian.data, mesh.masses)
     density = heat.solve(integrated)
     for _ in range(STEPS - 1):
-        density = heat.solve(masses * density)
+        density = heat.solve(mesh.masses * density)
     return density
 
 

@@ -7,6 +7,9 @@ from collections.abc import Callable
 import numpy as np
 import scipy.sparse as sp
 
+from ..compiling import jit
+from .laplacian import IntrinsicMesh, corner_cotangents, face_areas, intrinsic_mesh
+
 DistanceFunction = Callable[[int], np.ndarray]
 """Takes a vertex number and gives the distance (n,) from it to every vertex, in the units of the mesh."""
 
@@ -25,10 +28,7 @@ def geodesic_solver(vertices: np.ndarray, faces: np.ndarray, method: str = "heat
     """
     vertices, faces = np.ascontiguousarray(vertices, np.float64), np.ascontiguousarray(faces, np.int64)
     if method == "heat":
-        import potpourri3d
-
-        solver = potpourri3d.MeshHeatMethodDistanceSolver(vertices, faces, use_robust=True)
-        return solver.compute_distance
+        return heat_solver(intrinsic_mesh(vertices, faces))
     if method == "dijkstra":
         return _dijkstra(vertices, faces)
     if method == "exact":
@@ -37,6 +37,54 @@ def geodesic_solver(vertices: np.ndarray, faces: np.ndarray, method: str = "heat
         everywhere = np.arange(len(vertices), dtype=np.int64)
         return lambda source: igl.exact_geodesic(vertices, faces, VS=np.array([source]), VT=everywhere)
     raise ValueError(f"unknown geodesics {method!r}; choose heat, dijkstra or exact")
+
+
+def heat_solver(mesh: IntrinsicMesh) -> DistanceFunction:
+    """Distances by the heat method on an intrinsic triangulation, which should be Delaunay."""
+    edges = np.empty(mesh.n_edges)
+    edges[mesh.face_edges] = mesh.lengths
+    entries = mesh.laplacian.data
+    heat = mesh.pattern.factors(edges.mean() ** 2 * entries, mesh.areas)
+    # The Laplacian takes constants to zero: a little of the masses makes it definite.
+    poisson = mesh.pattern.factors(entries, 1e-9 * mesh.masses)
+    corner_x = (mesh.lengths[:, 2] ** 2 + mesh.lengths[:, 1] ** 2 - mesh.lengths[:, 0] ** 2) / (2 * mesh.lengths[:, 2])
+    corner_y = 2 * face_areas(mesh.lengths) / mesh.lengths[:, 2]
+    triangles = np.stack([mesh.lengths[:, 2], corner_x, corner_y, *corner_cotangents(mesh.lengths).T], axis=1)
+
+    def distances_from(source: int) -> np.ndarray:
+        at_source = np.zeros(mesh.n_vertices)
+        at_source[source] = 1.0
+        sources = np.zeros(mesh.n_vertices)
+        _divergence(mesh.faces, triangles, heat.solve(at_source), sources)
+        found = poisson.solve(sources)
+        return np.maximum(found - found[source], 0.0)
+
+    return distances_from
+
+
+@jit
+def _divergence(faces: np.ndarray, triangles: np.ndarray, heat: np.ndarray, out: np.ndarray) -> None:
+    """Add, at each vertex, the integrated divergence of the unit field that heat flows along, outwards negative.
+
+    A triangle lies in the plane with its first corner at 0, its second at (base, 0) and its third at (x, y).
+    """
+    for face in range(len(faces)):
+        i, j, k = faces[face, 0], faces[face, 1], faces[face, 2]
+        base, x, y, cot_i, cot_j, cot_k = triangles[face]
+        # Far from the source heat is so little that squares would vanish.
+        most = max(abs(heat[i]), abs(heat[j]), abs(heat[k]))
+        along = (heat[j] - heat[i]) / most / base
+        across = ((heat[k] - heat[i]) / most - along * x) / y
+        length = np.sqrt(along * along + across * across)
+        if not (length > 0.0 and length < np.inf):
+            continue
+        field_x, field_y = along / length, across / length
+        ij = 0.5 * cot_k * base * field_x
+        ik = 0.5 * cot_j * (x * field_x + y * field_y)
+        jk = 0.5 * cot_i * ((x - base) * field_x + y * field_y)
+        out[i] += ij + ik
+        out[j] += jk - ij
+        out[k] -= ik + jk
 
 
 def _dijkstra(vertices: np.ndarray, faces: np.ndarray) -> DistanceFunction:
@@ -48,7 +96,9 @@ def _dijkstra(vertices: np.ndarray, faces: np.ndarray) -> DistanceFunction:
 
 def edge_graph(vertices: np.ndarray, faces: np.ndarray) -> sp.csr_matrix:
     """Edge lengths (n, n) in the units of the mesh, each edge once."""
-    ends = np.unique(np.sort(faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1), axis=0)
+    tail, head = faces.ravel(), faces[:, [1, 2, 0]].ravel()
+    keys = np.unique(np.minimum(tail, head) * len(vertices) + np.maximum(tail, head))
+    ends = np.stack([keys // len(vertices), keys % len(vertices)], axis=1)
     lengths = np.linalg.norm(vertices[ends[:, 0]] - vertices[ends[:, 1]], axis=1)
     lengths = np.maximum(lengths, np.finfo(float).tiny)  # a length of zero would be no edge
     return sp.csr_matrix((lengths, (ends[:, 0], ends[:, 1])), shape=(len(vertices),) * 2)

@@ -8,10 +8,13 @@ limitation: artefacts where triangles are bad.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 import scipy.sparse as sp
 import scipy.sparse.linalg as spla
+
+from .cholesky import Pattern
 
 MOLLIFICATION = 1e-6
 """Least slack of the triangle inequality that faces are given, as a fraction of the mean edge length."""
@@ -40,6 +43,26 @@ class IntrinsicMesh:
     face_edges: np.ndarray
     n_vertices: int
     n_edges: int
+
+    @cached_property
+    def laplacian(self) -> sp.csr_matrix:
+        """See :func:`cotangent_laplacian`."""
+        return cotangent_laplacian(self)
+
+    @cached_property
+    def areas(self) -> np.ndarray:
+        """See :func:`vertex_areas`."""
+        return vertex_areas(self)
+
+    @cached_property
+    def masses(self) -> np.ndarray:
+        """The vertices' areas (n,) of the surface scaled to area 1, none of them zero."""
+        return np.maximum(self.areas / self.areas.sum(), 1e-12 / len(self.areas))
+
+    @cached_property
+    def pattern(self) -> Pattern:
+        """The Laplacian's pattern, to factorise what has it too."""
+        return Pattern(self.laplacian, self.masses)
 
 
 def intrinsic_mesh(vertices: np.ndarray, faces: np.ndarray, *, delaunay: bool = True) -> IntrinsicMesh:
@@ -106,12 +129,6 @@ def vertex_areas(mesh: IntrinsicMesh) -> np.ndarray:
     """A third of the area of the triangles around each vertex, (n,), in squared units of the mesh."""
     corner = np.repeat(face_areas(mesh.lengths) / 3, 3)
     return np.bincount(mesh.faces.ravel(), corner, mesh.n_vertices)
-
-
-def unit_masses(mesh: IntrinsicMesh) -> np.ndarray:
-    """The vertices' areas (n,) of a surface scaled to area 1, none of them zero."""
-    areas = vertex_areas(mesh)
-    return np.maximum(areas / areas.sum(), 1e-12 / len(areas))
 
 
 def factorized(matrix: sp.spmatrix) -> spla.SuperLU:

@@ -6,6 +6,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..compiling import jit
+
+SEEN = 200
+"""Vertices that a search for the closest point passes at most."""
+
+FLAT = 1e-14
+"""Squared sine of the angle below which a triangle is taken for a line."""
+
 
 @dataclass(frozen=True, eq=False)
 class SurfacePoints:
@@ -50,7 +58,10 @@ class SurfacePoints:
 def closest_points(
     positions: np.ndarray, faces: np.ndarray, queries: np.ndarray, vertices: np.ndarray
 ) -> SurfacePoints:
-    """The points closest to others in space, on the faces around given vertices.
+    """The points of a surface closest to others in space, looked for from given vertices on.
+
+    The search begins on the faces around the vertex and moves on over the surface as long as that comes closer. So it
+    never jumps to another sheet of the surface that happens to be near.
 
     Parameters
     ----------
@@ -59,45 +70,94 @@ def closest_points(
     queries
         (q, 3) points in space.
     vertices
-        (q,) for each of them a vertex, on whose faces the closest point is looked for.
+        (q,) for each of them a vertex, on whose faces the search begins.
     """
-    order = np.argsort(faces.ravel(), kind="stable")
-    start = np.searchsorted(faces.ravel()[order], [vertices, vertices + 1])
-    number = start[1] - start[0]
-    row = np.repeat(np.arange(len(queries)), number)
-    face = order[np.arange(len(row)) - np.repeat(np.cumsum(number) - number - start[0], number)] // 3
-    weights, apart = closest_weights(positions[faces[face]], queries[row])
-    best = np.lexsort((apart, row))[np.cumsum(number) - number]
-    return SurfacePoints(face[best], faces[face[best]], weights[best])
+    order = np.argsort(faces.ravel(), kind="stable").astype(np.int32) // 3
+    start = np.concatenate([[0], np.cumsum(np.bincount(faces.ravel(), minlength=len(positions)))])
+    found, weights = np.empty(len(queries), np.int64), np.empty((len(queries), 3))
+    _descend(positions, faces, start, order, np.asarray(queries, np.float64), vertices, found, weights)
+    return SurfacePoints(found, faces[found], weights)
 
 
-def closest_weights(triangles: np.ndarray, queries: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Barycentric coordinates (t, 3) of each triangle's point that is closest to a query, and the distance (t,).
+@jit
+def _descend(
+    positions: np.ndarray,
+    faces: np.ndarray,
+    start: np.ndarray,
+    around: np.ndarray,
+    queries: np.ndarray,
+    seeds: np.ndarray,
+    found: np.ndarray,
+    weights: np.ndarray,
+) -> None:
+    """Write the face and the weights of the closest point for each query."""
+    trial, seen = np.empty(3), np.empty(SEEN, np.int64)
+    for i in range(len(queries)):
+        vertex, n_seen, nearest = seeds[i], 0, np.inf
+        found[i] = around[start[vertex]]
+        while n_seen < SEEN:
+            seen[n_seen] = vertex
+            n_seen += 1
+            for place in range(start[vertex], start[vertex + 1]):
+                face = around[place]
+                apart = _closest_on_triangle(queries[i], positions, faces[face], trial)
+                if apart < nearest:
+                    nearest = apart
+                    found[i] = face
+                    weights[i] = trial
+            # On to the corner of the best face next to the point, of those whose faces have not been seen.
+            best = -1
+            for k in range(3):
+                fresh = weights[i, k] > 0.0
+                for j in range(n_seen):
+                    fresh = fresh and seen[j] != faces[found[i], k]
+                if fresh and (best < 0 or weights[i, k] > weights[i, best]):
+                    best = k
+            if best < 0:
+                break
+            vertex = faces[found[i], best]
 
-    Parameters
-    ----------
-    triangles, queries
-        (t, 3, 3) corners, which may lie on a line or in a point, and (t, 3) points in space, one for each triangle.
-    """
-    # The point below the query if it lies inside, else the closest on one of the edges; the nearest of the four.
-    one, two, to = triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0], queries - triangles[:, 0]
-    length1, length2, product = _dot(one, one), _dot(two, two), _dot(one, two)
-    along1, along2 = _dot(to, one), _dot(to, two)
-    candidates = np.zeros((4, len(triangles), 3))
-    with np.errstate(divide="ignore", invalid="ignore"):  # no area, or an edge of no length
-        inside = np.stack([along1 * length2 - along2 * product, along2 * length1 - along1 * product], axis=1)
-        candidates[3, :, 1:] = inside / (length1 * length2 - product**2)[:, None]
-        candidates[3, :, 0] = 1 - candidates[3, :, 1] - candidates[3, :, 2]
+
+@jit
+def _closest_on_triangle(query: np.ndarray, positions: np.ndarray, face: np.ndarray, weights: np.ndarray) -> float:
+    """Write the barycentric coordinates of the point closest to the query; its squared distance."""
+    one_one = one_two = two_two = one_to = two_to = 0.0
+    for axis in range(3):
+        origin = positions[face[0], axis]
+        one, two, to = positions[face[1], axis] - origin, positions[face[2], axis] - origin, query[axis] - origin
+        one_one += one * one
+        one_two += one * two
+        two_two += two * two
+        one_to += one * to
+        two_to += two * to
+    whole = one_one * two_two - one_two * one_two
+    v, w = (one_to * two_two - two_to * one_two) / whole, (two_to * one_one - one_to * one_two) / whole
+    if v >= 0.0 and w >= 0.0 and v + w <= 1.0 and whole > FLAT * one_one * two_two:
+        weights[0], weights[1], weights[2] = 1.0 - v - w, v, w
+        return _squared(query, positions, face, weights)
+    # Not above the triangle, or it is none: the closest point of one of the edges.
+    nearest, first, step = np.inf, 0, 0.0
+    for k in range(3):
+        along, length = 0.0, 0.0
+        for axis in range(3):
+            edge = positions[face[(k + 1) % 3], axis] - positions[face[k], axis]
+            along += (query[axis] - positions[face[k], axis]) * edge
+            length += edge * edge
+        part = min(max(along / length, 0.0), 1.0) if length > 0.0 else 0.0
+        weights[k], weights[(k + 1) % 3], weights[(k + 2) % 3] = 1.0 - part, part, 0.0
+        apart = _squared(query, positions, face, weights)
+        if apart < nearest:
+            nearest, first, step = apart, k, part
+    weights[first], weights[(first + 1) % 3], weights[(first + 2) % 3] = 1.0 - step, step, 0.0
+    return nearest
+
+
+@jit
+def _squared(query: np.ndarray, positions: np.ndarray, face: np.ndarray, weights: np.ndarray) -> float:
+    total = 0.0
+    for axis in range(3):
+        apart = -query[axis]
         for k in range(3):
-            edge = triangles[:, (k + 1) % 3] - triangles[:, k]
-            step = _dot(queries - triangles[:, k], edge) / _dot(edge, edge)
-            candidates[k, :, (k + 1) % 3] = np.clip(np.nan_to_num(step), 0.0, 1.0)
-            candidates[k, :, k] = 1 - candidates[k, :, (k + 1) % 3]
-        apart = np.linalg.norm(np.einsum("ctk,tkd->ctd", candidates, triangles) - queries, axis=2)
-        apart[3, ~(candidates[3] >= 0).all(axis=1)] = np.inf
-    best, every = np.argmin(np.nan_to_num(apart, nan=np.inf), axis=0), np.arange(len(triangles))
-    return candidates[best, every], apart[best, every]
-
-
-def _dot(first: np.ndarray, second: np.ndarray) -> np.ndarray:
-    return np.einsum("td,td->t", first, second)
+            apart += weights[k] * positions[face[k], axis]
+        total += apart * apart
+    return total

@@ -3,10 +3,15 @@
 from __future__ import annotations
 
 import numpy as np
-import scipy.sparse as sp
 import scipy.sparse.linalg as spla
 
-from .laplacian import IntrinsicMesh, cotangent_laplacian, factorized, unit_masses
+from .laplacian import IntrinsicMesh
+
+SHIFT = 1e-2
+"""Eigenvalues are looked for about minus this: the Laplacian itself is singular."""
+
+TOLERANCE = 1e-7
+"""Of the eigenvalues, relative; the last iterations bring them and the functions to round-off."""
 
 
 def eigenbasis(mesh: IntrinsicMesh, count: int) -> tuple[np.ndarray, np.ndarray]:
@@ -19,18 +24,17 @@ def eigenbasis(mesh: IntrinsicMesh, count: int) -> tuple[np.ndarray, np.ndarray]
     eigenfunctions
         (n, count) float64, orthonormal for areas that sum to 1.
     """
-    laplacian, masses = cotangent_laplacian(mesh), unit_masses(mesh)
     count = min(count, mesh.n_vertices - 2)
-    # Shift-invert about a small negative number: the Laplacian itself is singular. The fixed start
-    # vector makes the result the same from run to run.
-    start = np.random.default_rng(0).standard_normal(mesh.n_vertices)
-    inverse = factorized(laplacian + 1e-2 * sp.diags(masses))
-    operator = spla.LinearOperator(laplacian.shape, matvec=inverse.solve, dtype=np.float64)
-    values, functions = spla.eigsh(
-        laplacian, count, sp.diags(masses), sigma=-1e-2, which="LM", OPinv=operator, v0=start
-    )
-    order = np.argsort(values)
-    return np.maximum(values[order], 0.0), functions[:, order]
+    # In the square roots of the masses the problem is an ordinary one. The fixed start vector makes the result the
+    # same from run to run.
+    root = np.sqrt(mesh.masses)
+    start = root * np.random.default_rng(0).standard_normal(mesh.n_vertices)
+    inverse = mesh.pattern.factors(mesh.laplacian.data, SHIFT * mesh.masses)
+    shape = (mesh.n_vertices, mesh.n_vertices)
+    operator = spla.LinearOperator(shape, matvec=lambda x: root * inverse.solve(root * x.ravel()), dtype=np.float64)
+    values, functions = spla.eigsh(operator, count, which="LM", v0=start, tol=TOLERANCE)
+    order = np.argsort(-values)
+    return np.maximum(1 / values[order] - SHIFT, 0.0), functions[:, order] / root[:, None]
 
 
 def wave_kernel_signature(eigenvalues: np.ndarray, eigenfunctions: np.ndarray, energies: int = 100) -> np.ndarray:

@@ -42,7 +42,7 @@ def repair(mesh: Mesh) -> Mesh:
         notes.append(f"{_faces(again.sum())} repeating another face dropped.")
         faces, kept = faces[~again], kept[~again]
 
-    faces, rows, number = collapse_needles(mesh.vertices, faces)
+    faces, rows, number, table = collapse_needles(mesh.vertices, faces)
     if number:
         notes.append(f"{number} edge(s) of next to no length drawn together, with {_faces(len(kept) - len(rows))}.")
         kept = kept[rows]
@@ -52,8 +52,9 @@ def repair(mesh: Mesh) -> Mesh:
     if again.any():
         notes.append(f"{_faces(again.sum())} lying exactly on another piece of the surface dropped.")
         faces, kept = faces[~again], kept[~again]
+        table = edge_table(faces)
 
-    faces, origin, more, table = _join_and_cut(faces, twin)
+    faces, origin, more, table = _join_and_cut(faces, twin, table)
     vertices = mesh.vertices[origin]
     notes += more
 
@@ -126,7 +127,7 @@ def _repeated_pieces(faces: Ints, twin: Ints) -> np.ndarray:
     return again & whole[label]
 
 
-def _join_and_cut(faces: Ints, twin: Ints) -> tuple[Ints, Ints, list[str], EdgeTable]:
+def _join_and_cut(faces: Ints, twin: Ints, table: EdgeTable) -> tuple[Ints, Ints, list[str], EdgeTable]:
     """Give every fan of faces a vertex of its own, after sewing up seams.
 
     A seam is a pair of boundary edges, and no other edge, with equal coordinates. Joining by edges and not by
@@ -135,7 +136,6 @@ def _join_and_cut(faces: Ints, twin: Ints) -> tuple[Ints, Ints, list[str], EdgeT
     Returns faces in new numbers, the old number of each new vertex (the lowest where several were joined),
     notes, and the edges of those faces.
     """
-    table = edge_table(faces)
     separate, label = fans(faces, table)
     number = separate
     if (twin[faces] != faces).any():

@@ -9,16 +9,17 @@ from __future__ import annotations
 
 import numpy as np
 
-from .measure import cross_products, unit_box
+from .measure import unit_box
 from .mesh import Floats, Ints
 from .topology import EdgeTable, edge_table
 
 FLAT = 1e-7  # height, or shortest edge, over longest edge: what float32 files can resolve
 ROUNDS = 10
+BLOCK = 50_000  # faces that are looked at together, few enough for the processor's caches
 MANY = 0.1  # with a larger share of faces without area, a mesh is beyond repair
 
 
-def collapse_needles(vertices: Floats, faces: Ints) -> tuple[Ints, Ints, int]:
+def collapse_needles(vertices: Floats, faces: Ints) -> tuple[Ints, Ints, int, EdgeTable]:
     """Draw together edges far shorter than their faces, where the surface stays what it is.
 
     Returns
@@ -29,16 +30,19 @@ def collapse_needles(vertices: Floats, faces: Ints) -> tuple[Ints, Ints, int]:
         Which of the given faces each is.
     number : int
         How many edges were drawn together.
+    table : EdgeTable
+        The edges of the faces left.
     """
-    unit, rows, number = unit_box(vertices), np.arange(len(faces)), 0
+    unit, rows, number, table = unit_box(vertices), np.arange(len(faces)), 0, edge_table(faces)
     for _ in range(ROUNDS):
-        table = edge_table(faces)
         length = np.linalg.norm(unit[table.edges[:, 0]] - unit[table.edges[:, 1]], axis=1)
         longest = length[table.face_edges].max(axis=1, initial=0)
         short = (length[table.face_edges] <= FLAT * longest[:, None]) & (longest[:, None] > 0)
         if np.count_nonzero(short) > MANY * len(faces):
             break
         candidates = np.unique(table.face_edges[short])
+        if not len(candidates):
+            break
         target = _collapses(table, candidates[np.argsort(length[candidates], kind="stable")], len(vertices))
         if not len(target):
             break
@@ -48,7 +52,8 @@ def collapse_needles(vertices: Floats, faces: Ints) -> tuple[Ints, Ints, int]:
         faces = moved[faces]
         whole = (faces != faces[:, [1, 2, 0]]).all(axis=1)
         faces, rows = faces[whole], rows[whole]
-    return faces, rows, number
+        table = edge_table(faces)
+    return faces, rows, number, table
 
 
 def _collapses(table: EdgeTable, candidates: Ints, n: int) -> Ints:
@@ -79,9 +84,13 @@ def _collapses(table: EdgeTable, candidates: Ints, n: int) -> Ints:
 
 def is_flat(unit: Floats, faces: Ints) -> np.ndarray:
     """Faces with next to no height over their longest edge (m,)."""
-    sides = unit[faces[:, [2, 0, 1]]] - unit[faces[:, [1, 2, 0]]]
-    longest = (sides**2).sum(axis=2).max(axis=1, initial=0)
-    return np.linalg.norm(cross_products(unit, faces), axis=1) <= FLAT * longest
+    flat = np.empty(len(faces), dtype=bool)
+    for start in range(0, len(faces), BLOCK):
+        part = slice(start, start + BLOCK)
+        a, b, c = (unit[faces[part, k]] for k in range(3))
+        longest = np.max([(side**2).sum(axis=1) for side in (b - a, c - b, a - c)], axis=0)
+        flat[part] = np.linalg.norm(np.cross(b - a, c - a), axis=1) <= FLAT * longest
+    return flat
 
 
 def turn_caps(vertices: Floats, faces: Ints) -> tuple[Ints, Ints, int, int]:

@@ -18,6 +18,9 @@ from .mesh import Ints
 
 Bools = NDArray[np.bool_]
 
+LARGE = 100_000
+"""Nodes of a graph from which kernels do the work, which take time to load."""
+
 
 @dataclass(frozen=True, eq=False)
 class EdgeTable:
@@ -80,6 +83,10 @@ def labels_of(size: int, first: Ints, second: Ints) -> tuple[int, Ints]:
     """Connected components of a graph with these links: their number, the label of each node (size,)."""
     if not size:
         return 0, np.zeros(0, dtype=np.int64)
+    if size >= LARGE:
+        from .links import linked
+
+        return linked(size, first, second)
     graph = coo_array((np.ones(len(first), dtype=np.int8), (first, second)), shape=(size, size))
     number, labels = connected_components(graph, directed=False)
     return int(number), labels.astype(np.int64)
@@ -98,6 +105,11 @@ def fans(faces: Ints, table: EdgeTable, extra: tuple[Ints, Ints] | None = None) 
     vertex has one fan. `extra` holds further pairs of corners to link.
     """
     one, two = table.pairs
+    if faces.size >= LARGE:
+        from .links import fan_links
+
+        number, labels = fan_links(np.ascontiguousarray(faces), one, two, *(extra or (one[:0], two[:0])))
+        return number, labels.reshape(-1, 3)
     links_one, links_two = [], []
     for k in (1, 2):
         # The ends of the common edge, seen from both faces; where the faces disagree on its direction,
