@@ -106,4 +106,6 @@ def test_contenders_are_compared_once_more_by_how_much_they_stretch(surface):
     assert judged[0].evidence["stretch"] < judged[1].evidence["stretch"]
     assert judged[0].registration is judged[0].registered(surface, surface)
     assert judged[2] is rivals[2], "too far behind to be looked at"
-    assert contested(surface, surface, rivals[:1]) == rivals[:1]
+    alone = contested(surface, surface, [right])[0]
+    assert (alone.badness, alone.image is right.image) == (right.badness, True)
+    assert contested(surface, surface, []) == []

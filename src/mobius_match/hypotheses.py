@@ -104,11 +104,9 @@ def contested(source: Surface, target: Surface, found: list[Explanation]) -> lis
     """Explanations, best first, after those that are close have been compared once more: by how much they stretch.
 
     What is right on the whole and wrong at a limb shows when the surface is bent, which takes long; so only contenders
-    are. Their badness changes by how much more they stretch than the first of them.
+    are. Their badness changes by how much more they stretch than the first of them. The winner has been bent.
     """
     rivals = [one for one in found[:CONTENDERS] if one.badness - found[0].badness <= CONTEST]
-    if len(rivals) < 2:
-        return found
     judged: list[Explanation] = []
     for one in rivals:
         registration = one.registered(source, target)

@@ -16,6 +16,7 @@ import scipy.sparse as sp
 from scipy.sparse.csgraph import connected_components
 
 from .geometry.laplacian import factorized
+from .geometry.rotations import nearest_rotations
 from .geometry.spectral import functional_map, nearest_rows
 from .mesh.measure import cross_products, vertex_sums
 from .surface import Surface
@@ -163,9 +164,7 @@ class Body:
         for _ in range(steps):
             moved = positions[self._start] - positions[self._end]
             products = (self._rest[:, :, None] * moved[:, None, :]).reshape(-1, 9)
-            left, _, right = np.linalg.svd((self._sum @ products).reshape(-1, 3, 3))
-            left[np.linalg.det(left @ right) < 0, :, 2] *= -1
-            turns = left @ right
+            turns = nearest_rotations((self._sum @ products).reshape(-1, 3, 3))
             wanted = np.einsum("ei,eij->ej", self._rest, turns[self._start] + turns[self._end]) / 2
             positions = factors.solve(self._sum @ wanted + trust[:, None] * places)
         return positions, turns

@@ -11,6 +11,7 @@ from scipy.spatial import cKDTree
 
 from ..geometry.points import SurfacePoints, closest_points
 from ..geometry.spectral import functional_map
+from ..mesh.topology import edge_table
 from ..registration import Body, Registration, vertex_normals
 from ..surface import Surface
 from .surface_map import SurfaceMap
@@ -24,27 +25,61 @@ ROUNDS, STEPS = 2, 2
 NORMAL, SPECTRAL, LOWEST = 0.07, 0.02, 15
 """How much normals and the lowest eigenfunctions count in the nearest point, against places per sqrt(area)."""
 
+BESIDE = 0.03
+"""Distance per sqrt(area) from a bent part up to which a point of the whole belongs to it."""
+
 CARRIERS = 6
 """Vertices of the proxy that carry each vertex of the mesh."""
 
 
-def dense_map(source: Surface, target: Surface, registration: Registration) -> SurfaceMap:
-    """The map of all vertices, both ways, that a registration leads to."""
-    bent, bent_normals = bend(source, target, registration)
+def dense_map(source: Surface, target: Surface, registration: Registration, *, whole: bool = True) -> SurfaceMap:
+    """The map of all the user's vertices, both ways, that a registration leads to.
+
+    Parameters
+    ----------
+    source, target, registration
+        The surfaces, and the source's proxy on the target.
+    whole
+        Whether the source covers the target. If not, what lies beyond its rim has no counterpart.
+    """
+    bent, bent_normals = bend(source, target, registration, whole)
     mesh1, mesh2, scale = source.mesh, target.mesh, np.sqrt(target.area)
     normals = vertex_normals(mesh2.vertices / scale, mesh2.faces)
-    return SurfaceMap(
-        mesh1,
-        mesh2,
-        _closest(bent, bent_normals, mesh2.vertices, normals, mesh2.faces, scale),
-        _closest(mesh2.vertices, normals, bent, bent_normals, mesh1.faces, scale),
-        np.ones(len(mesh1.vertices), bool),
-        np.ones(len(mesh2.vertices), bool),
-    )
+    points = _closest(bent, bent_normals, mesh2.vertices, normals, mesh2.faces, scale)
+    back = _closest(mesh2.vertices, normals, bent, bent_normals, mesh1.faces, scale)
+    found = np.ones(len(mesh1.vertices), bool), np.ones(len(mesh2.vertices), bool)
+    if not whole:
+        apart = np.linalg.norm(back.values(bent) - mesh2.vertices, axis=1) / scale
+        found = found[0], (apart <= BESIDE) & ~_at_rim(back, mesh1.faces)
+    simple = SurfaceMap(mesh1, mesh2, points, back, *found)
+    return simple if source.detail is None and target.detail is None else _in_detail(source, target, simple)
 
 
-def bend(source: Surface, target: Surface, registration: Registration) -> tuple[np.ndarray, np.ndarray]:
-    """Bend the whole source onto the target.
+def _in_detail(source: Surface, target: Surface, simple: SurfaceMap) -> SurfaceMap:
+    """The map between the user's own meshes, by that of the simplified ones which stand for them."""
+    sides = []
+    for here, there, onward in ((source, target, simple), (target, source, simple.inverse)):
+        if here.detail is None:
+            points, found = onward.points, onward.found
+        else:
+            points, found = onward.images(here.detail.places(here.mesh))
+        sides.append((points if there.detail is None else there.detail.lifted(there.mesh, points), found))
+    (points, found), (back, back_found) = sides
+    return SurfaceMap(source.whole_mesh, target.whole_mesh, points, back, found, back_found)
+
+
+def _at_rim(points: SurfacePoints, faces: np.ndarray) -> np.ndarray:
+    """Which points (q,) bool lie on the boundary: what they stand for is beyond it."""
+    table = edge_table(faces)
+    rim = np.zeros(faces.max() + 1, bool)
+    rim[table.edges[table.counts == 1]] = True
+    return np.asarray((rim[points.corners] | (points.barycentric < 1e-9)).all(axis=1))
+
+
+def bend(
+    source: Surface, target: Surface, registration: Registration, whole: bool = True
+) -> tuple[np.ndarray, np.ndarray]:
+    """Bend all of the source onto the target; if it does not cover the target, without being drawn.
 
     Returns
     -------
@@ -57,7 +92,9 @@ def bend(source: Surface, target: Surface, registration: Registration) -> tuple[
     positions, turns = _carried(rest, source.proxy, registration.positions / scale2, registration.rotations)
     body = Body(rest, edges_of(source.mesh.faces))
     # The few lowest eigenfunctions keep a point from a limb that lies close by but belongs elsewhere.
-    low1, low2 = (surface.eigenfunctions[:, :LOWEST].astype(np.float64) for surface in (source, target))
+    low1, low2 = (
+        surface.eigenfunctions[:, : LOWEST if whole else 0].astype(np.float64) for surface in (source, target)
+    )
     low1 = low1 @ functional_map(low1[source.proxy], low2[registration.image])
     goals = _features(there, normals2, low2)
     nearest = cKDTree(goals)
@@ -65,10 +102,12 @@ def bend(source: Surface, target: Surface, registration: Registration) -> tuple[
         for _ in range(ROUNDS):
             seekers = _features(positions, turned(normals1, turns), low1)
             image = nearest.query(seekers)[1]
-            drawn = cKDTree(seekers).query(goals)[1]
-            number = 1 + np.bincount(drawn, minlength=len(rest))
-            drawing = np.stack([np.bincount(drawn, axis, len(rest)) for axis in there.T], axis=1)
-            places = (drawing + there[image]) / number[:, None]
+            places = there[image]
+            if whole:
+                drawn = cKDTree(seekers).query(goals)[1]
+                number = 1 + np.bincount(drawn, minlength=len(rest))
+                drawing = np.stack([np.bincount(drawn, axis, len(rest)) for axis in there.T], axis=1)
+                places = (drawing + places) / number[:, None]
             positions, turns = body.settle(positions, places, np.full(len(rest), trust), STEPS)
     return positions * scale2, turned(normals1, turns)
 
