@@ -5,6 +5,7 @@ import pytest
 
 from mobius_match.errors import TopologyError
 from mobius_match.mesh import topology as tp
+from tests.shapes import icosphere
 
 # name: (components, Euler characteristic, genus, boundary lengths, orientable)
 KNOWN = {
@@ -93,3 +94,24 @@ def test_nothing_is_no_trouble():
     table = tp.edge_table(none)
     assert table.edges.shape == (0, 2) and tp.components(none)[0] == 0 and tp.genus(none) is None
     assert tp.boundary_loops(none) == [] and tp.euler_characteristic(none) == 0
+
+
+@pytest.mark.parametrize("kind", ["closed", "torn", "turned", "random"])
+def test_large_meshes_get_the_same_from_kernels(kind, monkeypatch):
+    generator = np.random.default_rng(0)
+    faces = icosphere(3)[1]
+    if kind == "torn":
+        faces = faces[generator.random(len(faces)) < 0.6]
+    elif kind == "turned":
+        faces = np.where(generator.random((len(faces), 1)) < 0.3, faces[:, [0, 2, 1]], faces)
+    elif kind == "random":
+        faces = np.array([generator.choice(60, 3, replace=False) for _ in range(200)])
+    table = tp.edge_table(faces)
+    extra = tuple(generator.integers(0, faces.size, (2, 20)))
+    found = []
+    for large in (10**9, 0):
+        monkeypatch.setattr(tp, "LARGE", large)
+        found.append([tp.components(faces, table), tp.fans(faces, table), tp.fans(faces, table, extra)])
+    for (number, labels), (same_number, same_labels) in zip(*found, strict=True):
+        assert number == same_number
+        np.testing.assert_array_equal(labels, same_labels)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..compiling import inlined, jit
+from ..compiling import jit
 from .rings import after, before
 
 ROUNDNESS = 0.05
@@ -14,19 +14,19 @@ RIM = 10.0
 """What the planes through the boundary count, against those of faces."""
 
 
-@inlined
+@jit
 def unit_normal(vertices: np.ndarray, a: int, b: int, c: int, normal: np.ndarray) -> float:
     """Write the unit normal of a triangle; its length before, twice the area, is returned."""
     x1, y1, z1 = vertices[b, 0] - vertices[a, 0], vertices[b, 1] - vertices[a, 1], vertices[b, 2] - vertices[a, 2]
     x2, y2, z2 = vertices[c, 0] - vertices[a, 0], vertices[c, 1] - vertices[a, 1], vertices[c, 2] - vertices[a, 2]
-    normal[0], normal[1], normal[2] = y1 * z2 - z1 * y2, z1 * x2 - x1 * z2, x1 * y2 - y1 * x2
-    length = np.sqrt(normal[0] ** 2 + normal[1] ** 2 + normal[2] ** 2)
-    if length > 0.0:
-        normal /= length
+    x, y, z = y1 * z2 - z1 * y2, z1 * x2 - x1 * z2, x1 * y2 - y1 * x2
+    length = np.sqrt(x * x + y * y + z * z)
+    scale = 1.0 / length if length > 0.0 else 0.0
+    normal[0], normal[1], normal[2] = scale * x, scale * y, scale * z
     return length
 
 
-@inlined
+@jit
 def squared_length(vertices: np.ndarray, a: int, b: int) -> float:
     """Of the edge between two vertices."""
     return (
@@ -36,7 +36,7 @@ def squared_length(vertices: np.ndarray, a: int, b: int) -> float:
     )
 
 
-@inlined
+@jit
 def _add_plane(quadric: np.ndarray, x: float, y: float, z: float, d: float, weight: float) -> None:
     quadric[0] += weight * x * x
     quadric[1] += weight * x * y
@@ -85,7 +85,7 @@ def add_quadrics(vertices: np.ndarray, corners: np.ndarray, opposite: np.ndarray
                         _add_plane(quadrics[v], rim[0], rim[1], rim[2], offset_rim, RIM * squared / 2)
 
 
-@inlined
+@jit
 def cost(one: np.ndarray, two: np.ndarray, place: np.ndarray) -> float:
     """The quadrics of two vertices, taken at one place."""
     x, y, z = place[0], place[1], place[2]

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..compiling import inlined, jit
+from ..compiling import jit
 from .mesh import Ints
 from .topology import edge_table
 
@@ -26,19 +26,19 @@ def opposite_corners(faces: Ints) -> np.ndarray:
     return opposite
 
 
-@inlined
+@jit
 def after(corner: int) -> int:
     """The next corner of the face, counter-clockwise."""
     return corner - 2 if corner % 3 == 2 else corner + 1
 
 
-@inlined
+@jit
 def before(corner: int) -> int:
     """The next corner of the face, clockwise."""
     return corner + 2 if corner % 3 == 0 else corner - 1
 
 
-@inlined
+@jit
 def neighbour(k: int, ring: np.ndarray, number: int, corners: np.ndarray) -> int:
     """Neighbour k of the vertex whose ring it is; an open one has one neighbour more than faces."""
     return corners[after(ring[k])] if k < number else corners[before(ring[number - 1])]
@@ -110,7 +110,8 @@ def collapse(
         if across_v >= 0:
             opposite[across_v] = across_u
         far = corners[behind if side == 0 else ahead]
-        ends = (across_u, side == 0) if across_u >= 0 else (across_v, side == 1)
-        corner_of[far] = after(ends[0]) if ends[1] else before(ends[0])
-        corner_of[v] = before(ends[0]) if ends[1] else after(ends[0])
+        known = across_u if across_u >= 0 else across_v
+        one, two = after(known), before(known)
+        swap = (side == 0) != (across_u >= 0)
+        corner_of[far], corner_of[v] = (two, one) if swap else (one, two)
         corners[corner] = corners[ahead] = corners[behind] = -1

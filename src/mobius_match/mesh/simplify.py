@@ -47,7 +47,13 @@ def simplify(vertices: Floats, faces: Ints, count: int) -> tuple[Ints, Ints, Int
     quadrics = np.zeros((len(vertices), 10))
     add_quadrics(vertices, corners, opposite, quadrics)
     home = np.arange(len(vertices), dtype=np.int32)
-    _draw_in(vertices, corners, opposite, quadrics, home, count)
+    corner_of = np.zeros(len(vertices), np.int32)
+    corner_of[corners] = np.arange(len(corners))
+    # What it would take to draw each vertex in: at least the cost noted, NaN where the neighbourhood has changed.
+    least = _all_costs(vertices, corners, opposite, corner_of, quadrics)
+    threshold = max(float(np.quantile(least, FIRST)), 1e-30)
+    # A tetrahedron would fold up.
+    _draw_in(vertices, corners, opposite, corner_of, quadrics, least, threshold, home, max(count, 4))
     kept = np.flatnonzero(home == np.arange(len(home)))
     rank = np.full(len(vertices), -1)
     rank[kept] = np.arange(len(kept))
@@ -69,28 +75,35 @@ def _ends(home: np.ndarray) -> np.ndarray:
 
 
 @jit
+def _all_costs(
+    vertices: np.ndarray, corners: np.ndarray, opposite: np.ndarray, corner_of: np.ndarray, quadrics: np.ndarray
+) -> np.ndarray:
+    """What it costs at least to draw each vertex in, (n,) float32."""
+    ring, costs = np.empty(MOST_FACES, np.int32), np.empty(MOST_FACES + 1)
+    least = np.empty(len(vertices), np.float32)
+    for i in range(len(vertices)):
+        least[i] = _cheapest(i, vertices, corners, opposite, corner_of, quadrics, ring, costs)
+    return least
+
+
+@jit
 def _draw_in(
     vertices: np.ndarray,
     corners: np.ndarray,
     opposite: np.ndarray,
+    corner_of: np.ndarray,
     quadrics: np.ndarray,
+    least: np.ndarray,
+    threshold: float,
     home: np.ndarray,
     count: int,
 ) -> None:
+    """Draw vertices in, the cheapest first, more or less: one threshold after the other."""
     n = len(vertices)
-    corner_of = np.full(n, -1, np.int32)
-    for corner in range(len(corners)):
-        corner_of[corners[corner]] = corner
     ring, other = np.empty(MOST_FACES, np.int32), np.empty(MOST_FACES, np.int32)
-    costs = np.empty(MOST_FACES + 1)
-    stamp = np.zeros(n + 1, np.int32)
-    # What it would take to draw each vertex in: at least the cost noted, NaN where the neighbourhood has changed.
-    least = np.full(n, np.nan, np.float32)
+    costs, stamp = np.empty(MOST_FACES + 1), np.zeros(n + 1, np.int32)
     alive = np.arange(n).astype(np.int32)
-    for i in range(n):
-        least[i] = _cheapest(i, vertices, corners, opposite, corner_of, quadrics, ring, costs)
     left = n
-    threshold = max(np.partition(least, int(FIRST * n))[int(FIRST * n)], 1e-30)
     n_alive = n
     idle = 0
     while left > count and idle < 12:

@@ -1,0 +1,41 @@
+"""Sparse factors against numpy's dense solution."""
+
+import numpy as np
+import pytest
+import scipy.sparse as sp
+
+from mobius_match.geometry.cholesky import Pattern
+from mobius_match.geometry.laplacian import intrinsic_mesh
+from tests.shapes import bent, grid, lump
+
+
+@pytest.mark.parametrize("shape", [lump(2), bent(grid())])
+def test_one_pattern_solves_all_that_has_it(shape):
+    mesh = intrinsic_mesh(*shape)
+    laplacian, generator = mesh.laplacian, np.random.default_rng(0)
+    right = generator.normal(size=mesh.n_vertices)
+    for step, diagonal in (
+        (1.0, mesh.masses),
+        (0.01, 3 * mesh.masses),
+        (2.0, generator.uniform(1, 2, mesh.n_vertices)),
+    ):
+        found = mesh.pattern.factors(step * laplacian.data, diagonal).solve(right)
+        expected = np.linalg.solve(step * laplacian.toarray() + np.diag(diagonal), right)
+        np.testing.assert_allclose(found, expected, rtol=1e-9, atol=1e-9 * np.abs(expected).max())
+
+
+def test_other_entries_and_zeros_among_them():
+    """Random symmetric matrices that are not definite, entries of the pattern left out."""
+    generator = np.random.default_rng(1)
+    filled = np.triu(generator.random((40, 40)) < 0.1, 1)
+    filled = filled | filled.T | np.eye(40, dtype=bool)
+    matrix = sp.csr_matrix(filled.astype(float))
+    pattern = Pattern(matrix, np.full(40, 40.0))
+    values = np.where(filled & filled.T, generator.normal(size=(40, 40)), 0)
+    values = values + values.T + np.diag(generator.choice([-9.0, 9.0], 40))
+    values[3, values[3] < 0] = values[values[3] < 0, 3] = 0
+    values[3, 3] = 5.0
+    right = generator.normal(size=40)
+    rows, columns = matrix.nonzero()
+    found = pattern.factors(values[rows, columns]).solve(right)
+    np.testing.assert_allclose(values @ found, right, atol=1e-9)
