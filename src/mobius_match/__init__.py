@@ -14,7 +14,7 @@ from .errors import FormatError, MeshError, MobiusError, NothingFoundError, Sett
 
 if TYPE_CHECKING:
     from .correspondence import Correspondence
-    from .dense import SurfaceMap
+    from .dense import Quality, SurfaceMap, isometric_distance, quality
     from .matching import match
     from .mesh import Mesh, read_mesh
     from .mirror import Symmetry, symmetry
@@ -30,10 +30,13 @@ _HOMES = {
     "MatchSettings": "settings",
     "Mesh": "mesh",
     "PrepareSettings": "settings",
+    "Quality": "dense",
     "Surface": "surface",
     "SurfaceMap": "dense",
     "Symmetry": "mirror",
+    "isometric_distance": "dense",
     "match": "matching",
+    "quality": "dense",
     "prepare": "preparing",
     "read_mesh": "mesh",
     "symmetry": "mirror",
@@ -48,14 +51,17 @@ __all__ = [
     "MobiusError",
     "NothingFoundError",
     "PrepareSettings",
+    "Quality",
     "SettingsError",
     "Surface",
     "SurfaceMap",
     "Symmetry",
     "TopologyError",
     "__version__",
+    "isometric_distance",
     "match",
     "prepare",
+    "quality",
     "read_mesh",
     "symmetry",
 ]

@@ -27,13 +27,13 @@ TRUST = (0.02, 0.1, 0.3, 1.0, 3.0)
 ROUNDS = 3
 """How often the nearest points are looked for at each weight."""
 
-SETTLING, STEPS = 6, 2
+SETTLING, STEPS = 12, 2
 """Alternations of turning and moving at first, and after each search."""
 
 NORMAL, SPECTRAL = 0.15, 0.02
 """How much normals and eigenfunctions count in the nearest point, against places per sqrt(area)."""
 
-TEAR = 0.1
+TEAR = 0.07
 """How much longer than the edge its image is, per sqrt(area), where the map is torn."""
 
 BELIEVED = 0.1

@@ -39,6 +39,13 @@ def match(
         Path | None,
         Option("--output", "-o", metavar="FILE", help="Write the result as JSON; '-' is standard output."),
     ] = None,
+    dense: Annotated[
+        Path | None,
+        Option(
+            metavar="FILE",
+            help="Write the target vertex of every source vertex, a line each, -1 for none; as .npz all of the map.",
+        ),
+    ] = None,
     picture: Annotated[Path | None, Option(metavar="FILE.png", help="Draw the matches on both surfaces.")] = None,
     json: Annotated[bool, Option("--json", help="Print the result as JSON instead of a table.")] = False,
     samples: Annotated[int | None, Option(metavar="N", help="Sample points on each surface.  [default: 100]")] = None,
@@ -127,13 +134,15 @@ def match(
     }
     given = {name: value for name, value in options.items() if value is not None}
     settings = merge(read_config(config) if config else {}, given)
-    _check(settings, output, picture, (source, target))
+    _check(settings, {"--output": output, "--dense": dense, "--picture": picture}, (source, target))
 
     with Reporter(quiet, verbose) as reporter:
         result = run_match(source, target, reporter, settings, cache=not no_cache)
         if picture is not None:
             write(picture, draw(result))
             reporter.notes([f"picture written to {picture}"])
+        if dense is not None:
+            reporter.notes([write_map(result, dense)])
         if output is not None and output != STDOUT:
             write(output, to_json(result.to_dict(alternatives=alternatives)))
             reporter.notes([f"{len(result)} correspondences written to {output}"])
@@ -144,7 +153,7 @@ def match(
             say(f"{name}: {value:.3g}")
     if json or output == STDOUT:
         write(STDOUT, to_json(result.to_dict(alternatives=alternatives)))
-    elif output is None:
+    elif output is None and dense is None:
         print_table(_table(result))
 
 
@@ -184,19 +193,30 @@ def draw(result: Correspondence) -> bytes:
     return picture.getvalue()
 
 
-def _check(settings: dict[str, Any], output: Path | None, picture: Path | None, inputs: tuple[Path, Path]) -> None:
+def write_map(result: Correspondence, path: Path) -> str:
+    """Write the dense map; the line that says so, and how good it looks."""
+    from ..dense import quality
+
+    found = result.dense()
+    write(path, found.to_npz() if path.suffix.lower() == ".npz" else found.text().encode())
+    return f"dense map written to {path}: {quality(found)}"
+
+
+def _check(settings: dict[str, Any], outputs: dict[str, Path | None], inputs: tuple[Path, Path]) -> None:
     from ..errors import SettingsError
     from ..settings import make_settings
 
     make_settings(**settings)
-    if output is not None:
-        check_output("--output", output, inputs)
-    if picture is not None:
-        if picture.suffix.lower() != ".png":
-            raise SettingsError(f"--picture: {picture} is not a .png file; name it so.")
-        check_output("--picture", picture, inputs)
-        if output is not None and output.resolve() == picture.resolve():
-            raise SettingsError(f"--picture: {picture} is the --output too; name another file.")
+    seen: dict[Path, str] = {}
+    for option, path in outputs.items():
+        if path is None:
+            continue
+        if option == "--picture" and path.suffix.lower() != ".png":
+            raise SettingsError(f"--picture: {path} is not a .png file; name it so.")
+        check_output(option, path, inputs)
+        other = seen.setdefault(path.resolve(), option)
+        if other != option:
+            raise SettingsError(f"{option}: {path} is the {other} too; name another file.")
 
 
 def _table(result: Correspondence) -> Table:

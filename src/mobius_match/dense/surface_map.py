@@ -160,9 +160,10 @@ class SurfaceMap:
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write the map: its text, or all of it to a .npz file; an existing file is replaced or kept whole."""
         path = Path(path)
-        if path.suffix.lower() != ".npz":
-            write_atomically(path, self.text().encode())
-            return
+        write_atomically(path, self.to_npz() if path.suffix.lower() == ".npz" else self.text().encode())
+
+    def to_npz(self) -> bytes:
+        """The content of the .npz file: points both ways, and both meshes."""
         buffer = io.BytesIO()
         arrays = {
             f"{side}_{name}": getattr(points, name)
@@ -180,7 +181,7 @@ class SurfaceMap:
         }
         arrays |= {"found": self.found, "back_found": self.back_found, "head": np.array(json.dumps(head))}
         np.savez(buffer, allow_pickle=False, **arrays)
-        write_atomically(path, buffer.getvalue())
+        return buffer.getvalue()
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> SurfaceMap:
