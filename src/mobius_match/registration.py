@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import scipy.sparse as sp
-from scipy.sparse.csgraph import connected_components
+from scipy.sparse.csgraph import connected_components, dijkstra
 
 from .geometry.laplacian import factorized
 from .geometry.rotations import nearest_rotations
@@ -92,7 +92,7 @@ def register(source: Surface, target: Surface, image: np.ndarray, *, whole: bool
     drawing = np.searchsorted(some, drawers)
     body = Body(here[source.proxy], source.proxy_edges)
     places, positions, turns = there[image], there[image], np.empty(0)
-    held = body.largest_piece(places)
+    held = body.held(places)
     for trust in TRUST:
         if trust == TRUST[0]:
             positions, turns = body.settle(positions, places, trust * held, SETTLING)
@@ -106,7 +106,7 @@ def register(source: Surface, target: Surface, image: np.ndarray, *, whole: bool
             number = 1 + np.bincount(drawn, minlength=len(image))
             drawing_to = [np.bincount(drawn, axis, len(image)) for axis in there[drawers].T]
             places = (np.stack(drawing_to, axis=1) + there[image]) / number[:, None]
-            held = body.largest_piece(there[image]) if trust <= BELIEVED else np.ones(len(image), bool)
+            held = body.held(there[image]) if trust <= BELIEVED else np.ones(len(image), bool)
             positions, turns = body.settle(positions, places, trust * held, STEPS)
     turned = np.einsum("ni,nij->nj", normals1, turns)
     return Registration(
@@ -144,14 +144,24 @@ class Body:
             (ones, (self._start, self._end)), shape=(size, size)
         )
 
-    def largest_piece(self, images: np.ndarray) -> np.ndarray:
-        """Which points (p,) bool are in the largest piece that images (p, 3) leave whole."""
-        lengths = np.linalg.norm(images[self._start] - images[self._end], axis=1)
-        kept = lengths < np.linalg.norm(self._rest, axis=1) + TEAR
-        size = len(images)
+    def held(self, images: np.ndarray) -> np.ndarray:
+        """Which points (p,) bool images (p, 3) leave whole: the largest piece, and those that lie beside it as before.
+
+        A piece that is only cut off by a few wrong points stays; one that was sent elsewhere does not.
+        """
+        lengths, size = np.linalg.norm(self._rest, axis=1), len(images)
+        kept = np.linalg.norm(images[self._start] - images[self._end], axis=1) < lengths + TEAR
         graph = sp.csr_matrix((kept[kept], (self._start[kept], self._end[kept])), shape=(size, size))
-        pieces = connected_components(graph, directed=False)[1]
-        return np.asarray(pieces == np.bincount(pieces).argmax())
+        number, pieces = connected_components(graph, directed=False)
+        found = pieces == np.bincount(pieces).argmax()
+        if number == 1:
+            return np.asarray(found)
+        paths = sp.csr_matrix((lengths, (self._start, self._end)), shape=(size, size))
+        apart, _, beside = dijkstra(paths, indices=np.flatnonzero(found), min_only=True, return_predecessors=True)
+        drift = np.linalg.norm(images - images[beside], axis=1) - apart
+        nearest = np.lexsort((apart, pieces))
+        first = nearest[np.searchsorted(pieces[nearest], np.arange(number))]
+        return np.asarray(drift[first] < TEAR)[pieces]
 
     def settle(
         self, positions: np.ndarray, places: np.ndarray, trust: np.ndarray, steps: int

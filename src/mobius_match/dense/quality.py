@@ -72,7 +72,7 @@ class Quality:
         return (
             f"{self.mapped:.1%} of the vertices mapped, {self.orientation:.1%} of their faces keep the orientation, "
             f"{self.coverage:.1%} of the target covered; median distortion: areas x {2 ** found['area']:.2f}, "
-            f"circles to ellipses of 1 : {2 ** found['angle']:.2f}, distances by {found['geodesic']:.3f} of sqrt(area), "
+            f"circles 1 : {2 ** found['angle']:.2f}, distances by {found['geodesic']:.3f} of sqrt(area), "
             f"the way there and back {found['round_trip']:.4f}"
         )
 
