@@ -93,15 +93,19 @@ def test_whole_surfaces_are_no_parts(name, wholes):
     assert part_places(first, second, 0) == (None, "")
 
 
-def test_a_part_of_nothing_there_is_matched_as_a_whole():
-    """A sheet of a ninth of the lump's area, which is nowhere flat, is found nowhere on it."""
-    vertices, faces = lump(3)
-    whole = mm.prepare((vertices, faces))
+@pytest.mark.parametrize("share", [1 / 9, 0.8])
+def test_a_part_of_nothing_there(share):
+    """A flat sheet is found nowhere on the lump, which is nowhere flat: no match, or as a whole if it may be one."""
+    whole = mm.prepare(lump())
     sheet, squares = bent(grid(16, 13))
-    sheet = sheet * np.sqrt(whole.area / 9 / 260)
-    places, note = part_places(mm.prepare((sheet, squares)), whole, 0)
-    assert places is None
-    assert "was not found on it" in note
+    part = mm.prepare((sheet * np.sqrt(whole.area * share / 260), squares))
+    if share < 0.7:
+        with pytest.raises(mm.NothingFoundError, match="was not found on it; give both files the same units"):
+            part_places(part, whole, 0)
+    else:
+        places, note = part_places(part, whole, 0)
+        assert places is None
+        assert "matched as a whole" in note
 
 
 @pytest.mark.parametrize("threads", [1, 3])

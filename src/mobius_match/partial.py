@@ -17,13 +17,14 @@ import numpy as np
 import scipy
 
 from .confidence import interpolated, neighbour_means
+from .errors import NothingFoundError
 from .geometry.curvature import curvatures
 from .geometry.geodesics import nearest_centres
 from .geometry.points import SurfacePoints, closest_points
 from .geometry.spectral import nearest_rows
 from .hypotheses import group_triplets, rank_correlation
 from .mesh.topology import boundary_edges
-from .registration import Registration, looks, register
+from .registration import ROUNDS, Registration, looks, register
 from .surface import Surface
 from .voting.agreement import agreement, as_far
 from .voting.proposals import guided_triplets
@@ -31,17 +32,17 @@ from .voting.proposals import guided_triplets
 LARGEST = 0.97
 """Part of the other surface's area above which a surface is taken for a whole, though it has a boundary."""
 
+SURELY = 0.7
+"""Part of the other's area below which it can be nothing else: a whole surface of that size is not looked for."""
+
 OPEN = 0.15
 """Least length of the boundary of a part, per sqrt(area) of the whole."""
 
 RADII = (0.03, 0.06, 0.1)
 """Widths that curvatures are smoothed to; like all lengths here, per sqrt(area) of the whole."""
 
-TRIPLETS = 10_000
-"""How many are judged."""
-
-SPREAD, TOLERANCE, ALIKE = 0.3, 0.15, 0.35
-"""Of a triplet: least distance of its points, relative difference of lengths, part of all pairs that look alike."""
+TRIPLETS, SPREAD, TOLERANCE, ALIKE = 10_000, 0.3, 0.15, 0.35
+"""How many are judged; least distance of their points, relative difference of lengths, part of all pairs allowed."""
 
 APPEARANCE = 0.1
 """Distance that a difference in curvature of one standard deviation counts as much as."""
@@ -103,6 +104,11 @@ def part_places(
         None if neither is a part of the other.
     note
         What a user should know of it, empty where neither looks like a part.
+
+    Raises
+    ------
+    NothingFoundError
+        If one can be nothing but a part, and was not found.
     """
     if not is_part(source, target) and not is_part(target, source):
         return None, ""
@@ -111,6 +117,8 @@ def part_places(
     with ThreadPoolExecutor(jobs or os.cpu_count() or 1) as pool:
         found = pair.located(np.random.default_rng(seed), pool)
     share = f"{part.mesh.name} has a long boundary, and {part.area / whole.area:.0%} of the area of {whole.mesh.name}"
+    if found is None and part.area < SURELY * whole.area:
+        raise NothingFoundError(f"{share}, but was not found on it; give both files the same units, or close its holes")
     if found is None:
         return None, f"{share}, but was not found on it in the units of the files; it was matched as a whole"
     places = pair.places_on_whole(found) if part is source else pair.places_on_part(found)
@@ -138,24 +146,22 @@ class _Pair:
             (surface.proxy_distances / self.scale).astype(np.float32) for surface in (part, whole)
         )
         self.samples1, self.samples2 = (np.searchsorted(surface.proxy, surface.samples) for surface in (part, whole))
-        self.curvatures2 = self._curvatures(whole)
-        spread = np.maximum(self.curvatures2[whole.proxy].std(axis=0), 1e-9)
-        self.curvatures2 = self.curvatures2 / spread
-        self.curvatures1 = self._curvatures(part)[part.proxy] / spread
+        mine, theirs = (
+            curvatures((one.vertices - one.vertices.mean(axis=0)) / self.scale, one.faces, RADII)
+            for one in (part.mesh, whole.mesh)
+        )
+        spread = np.maximum(theirs[whole.proxy].std(axis=0), 1e-9)
+        self.curvatures1, self.curvatures2 = mine[part.proxy] / spread, theirs / spread
         each = zip(self.curvatures1.T, self.curvatures2[whole.proxy].T, strict=True)
         unlike = sum(np.abs(mine[:, None] - theirs) for mine, theirs in each)
         self.costs = (APPEARANCE * np.minimum(unlike / self.curvatures1.shape[1], 3.0)).astype(np.float32)
         # Along the surface: in space a hand may be next to a thigh.
         self._home = nearest_centres(whole.mesh.vertices, whole.mesh.faces, whole.proxy)
 
-    def _curvatures(self, surface: Surface) -> np.ndarray:
-        """Gauss and mean curvature (n, 6) at the radii, in common units."""
-        mesh = surface.mesh
-        return curvatures((mesh.vertices - mesh.vertices.mean(axis=0)) / self.scale, mesh.faces, RADII)
-
     def located(self, generator: np.random.Generator, pool: ThreadPoolExecutor) -> Registration | None:
         """The part bent onto where it lies on the whole; None if it is not there."""
-        found = sorted(pool.map(self.sketched, self.starts(generator, pool)), key=self.badness)
+        starts = self.starts(generator, pool)
+        found = sorted(pool.map(lambda image: self.bent(image, rounds=1), starts), key=self.badness)
         if not found:
             return None
         promising = [one for one in found[:REFINED] if self.badness(one) <= CLOSE * self.badness(found[0])]
@@ -214,12 +220,8 @@ class _Pair:
         """Each vertex of the part's proxy to the one of the whole's that is as far from the landmarks: (P1,) int64."""
         return as_far(self.distances1[mine], self.distances2[theirs], CAP, 3 / len(mine), self.costs)
 
-    def bent(self, image: np.ndarray) -> Registration:
-        return register(self.part, self.whole, self.whole.proxy[image], whole=False)
-
-    def sketched(self, image: np.ndarray) -> Registration:
-        """Bent in less time, to choose among many."""
-        return register(self.part, self.whole, self.whole.proxy[image], whole=False, rounds=1)
+    def bent(self, image: np.ndarray, rounds: int = ROUNDS) -> Registration:
+        return register(self.part, self.whole, self.whole.proxy[image], whole=False, rounds=rounds)
 
     def landmarks(self, found: Registration) -> tuple[np.ndarray, np.ndarray]:
         """The landmarks that a registration places best: samples of the part and of the whole."""
