@@ -116,7 +116,13 @@ def contested(source: Surface, target: Surface, found: list[Explanation]) -> lis
     return sorted(judged + found[len(rivals) :], key=lambda explanation: explanation.badness)
 
 
-def group_triplets(pairs: np.ndarray, distances: np.ndarray, totals: np.ndarray) -> list[np.ndarray]:
+def group_triplets(
+    pairs: np.ndarray,
+    distances: np.ndarray,
+    totals: np.ndarray,
+    radius: float = GROUP_RADIUS,
+    most: int = MOST_GROUPS,
+) -> list[np.ndarray]:
     """Group triplets by where they send the samples.
 
     Parameters
@@ -127,6 +133,8 @@ def group_triplets(pairs: np.ndarray, distances: np.ndarray, totals: np.ndarray)
         (N2, N2) between the target's samples per sqrt(area).
     totals
         (B,) weights of the triplets, not increasing.
+    radius, most
+        Largest mean distance of a triplet's places from those of its group's best, and how many groups at most.
 
     Returns
     -------
@@ -135,11 +143,11 @@ def group_triplets(pairs: np.ndarray, distances: np.ndarray, totals: np.ndarray)
     """
     left = np.flatnonzero(totals >= LEAST_SHARE * totals.max(initial=0.0))
     groups: list[np.ndarray] = []
-    while len(left) and len(groups) < MOST_GROUPS:
+    while len(left) and len(groups) < most:
         leader = pairs[left[0]]
         shared = (pairs[left] >= 0) & (leader >= 0)
         apart = np.where(shared, distances[pairs[left], leader], 0.0).sum(axis=1) / np.maximum(shared.sum(axis=1), 1)
-        same = (apart < GROUP_RADIUS) & shared.any(axis=1)
+        same = (apart < radius) & shared.any(axis=1)
         same[0] = True
         groups.append(left[same])
         left = left[~same]

@@ -104,7 +104,8 @@ def match(
     # One BLAS thread: sums must not depend on the number of processors.
     with threadpool_limits(limits=1, user_api="blas"):
         # The paper's own voting knows whole surfaces only.
-        places, note = part_places(first, second, chosen.seed) if chosen.proposal == "guided" else (None, "")
+        guided = chosen.proposal == "guided"
+        places, note = part_places(first, second, chosen.seed, chosen.jobs) if guided else (None, "")
         found = [] if places else contested(first, second, explanations(first, second, votes))
         timings["explanations"] = time.perf_counter() - begin
         begin = time.perf_counter()

@@ -9,25 +9,31 @@ whole at the best. Each way of matching reads its matches off the bent part.
 
 from __future__ import annotations
 
+import os
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 
 import numpy as np
 import scipy
 
 from .confidence import interpolated, neighbour_means
-from .geometry.curvature import gauss_curvature, mean_curvature
-from .geometry.laplacian import intrinsic_mesh
+from .errors import NothingFoundError
+from .geometry.curvature import curvatures
+from .geometry.geodesics import nearest_centres
 from .geometry.points import SurfacePoints, closest_points
 from .geometry.spectral import nearest_rows
 from .hypotheses import group_triplets, rank_correlation
-from .mesh.topology import edge_table
-from .registration import NORMAL, Registration, register, vertex_normals
+from .mesh.topology import boundary_edges
+from .registration import ROUNDS, Registration, looks, register
 from .surface import Surface
-from .voting.agreement import agreement
+from .voting.agreement import agreement, as_far
 from .voting.proposals import guided_triplets
 
-LARGEST = 0.9
+LARGEST = 0.97
 """Part of the other surface's area above which a surface is taken for a whole, though it has a boundary."""
+
+SURELY = 0.7
+"""Part of the other's area below which it can be nothing else: a whole surface of that size is not looked for."""
 
 OPEN = 0.15
 """Least length of the boundary of a part, per sqrt(area) of the whole."""
@@ -35,23 +41,21 @@ OPEN = 0.15
 RADII = (0.03, 0.06, 0.1)
 """Widths that curvatures are smoothed to; like all lengths here, per sqrt(area) of the whole."""
 
-TRIPLETS, KEPT = 10_000, 100
-"""How many triplets are judged, and how many of the best are grouped."""
-
-SPREAD, TOLERANCE, ALIKE = 0.3, 0.15, 0.35
-"""Of a triplet: least distance of its points, relative difference of lengths, part of all pairs that look alike."""
+TRIPLETS, SPREAD, TOLERANCE, ALIKE = 10_000, 0.3, 0.15, 0.35
+"""How many are judged; least distance of their points, relative difference of lengths, part of all pairs allowed."""
 
 APPEARANCE = 0.1
 """Distance that a difference in curvature of one standard deviation counts as much as."""
 
-COARSE = (100, 400)
-"""Points of the part and of the whole that triplets are judged on."""
+COARSE = ((2000, (25, 200)), (300, (100, 400)))
+"""How many triplets are kept in each round, by points of the part and of the whole; the last are grouped."""
 
-PROMISING = 0.87
-"""Groups whose best triplet is worth less than this part of the best of all are not examined."""
+RADIUS, GROUPS, PROMISING = 0.1, 20, 0.8
+"""Mean distance of two triplets' places within a group, how many groups, and the least worth of the best triplet of
+each, as a part of that of the best of all."""
 
-CLOSE, REFINED = 1.5, 3
-"""How many places at most are refined: those whose badness is at most this multiple of the least."""
+SKETCHED, REFINED, CLOSE = 12, 2, 1.5
+"""How many groups are bent in haste, how many of these are refined, and up to which multiple of the least badness."""
 
 LANDMARKS = 50
 CAP = 0.15
@@ -60,22 +64,28 @@ CAP = 0.15
 WEIGHTS = {"distances": 1.0, "misfit": 10.0, "turn": 1.0, "gauss curvature": 1.0, "mean curvature": 1.0}
 """What each kind of evidence against a place counts."""
 
-WORST, LOOSEST = 0.8, 0.0105
+WORST, LOOSEST = 1.5, 0.0135
 """Weighted sum, and mean distance of the bent part from the whole, above which the one is no part of the other."""
 
 NEAR, SNAPPED = 0.15, 0.03
 """Over which a landmark has a say in how well distances agree, and how far its image may be from a known one."""
 
 FLOOR = 0.01
-SLOPES = {"distances": -1.87, "misfit": -4.16, "cut": 0.73}
-OFFSET = -17.96
-"""Logistic regression of being right on the logarithms of the evidence, over parts of animals and people."""
+SLOPES = {"distances": -2.42, "misfit": -1.27, "cut": 0.80, "badness": -1.41, "curvature": -0.75}
+OFFSET = -12.41
+"""Logistic regression of being right on the logarithms of the evidence, over parts of animals and people; places on
+what is missing count five times. The offset is lowered so that a chance of 0.5 here is one of 0.7 there."""
 
-ON_PART = 0.03
-"""Distance in place and normal of a point of the whole from the bent part up to which it can belong to it."""
+MARGIN = 0.035
+"""Distance from the cut below which no match is reported: what is sent there may as well lie beyond it."""
+
+ON_PART, ASTRAY = 0.02, 0.1
+"""Distance of a point of the whole from the bent part, and along the surface, up to which it can belong to it."""
 
 
-def part_places(source: Surface, target: Surface, seed: int) -> tuple[tuple[SurfacePoints, np.ndarray] | None, str]:
+def part_places(
+    source: Surface, target: Surface, seed: int, jobs: int | None = None
+) -> tuple[tuple[SurfacePoints, np.ndarray] | None, str]:
     """Where the source's samples lie on the target, if one of the two is a part of the other.
 
     Parameters
@@ -84,6 +94,8 @@ def part_places(source: Surface, target: Surface, seed: int) -> tuple[tuple[Surf
         The surfaces, in the same units.
     seed
         Of the triplets.
+    jobs
+        Threads; None for as many as there are processors. The result does not depend on it.
 
     Returns
     -------
@@ -92,13 +104,21 @@ def part_places(source: Surface, target: Surface, seed: int) -> tuple[tuple[Surf
         None if neither is a part of the other.
     note
         What a user should know of it, empty where neither looks like a part.
+
+    Raises
+    ------
+    NothingFoundError
+        If one can be nothing but a part, and was not found.
     """
     if not is_part(source, target) and not is_part(target, source):
         return None, ""
     part, whole = (source, target) if source.area < target.area else (target, source)
     pair = _Pair(replace(part, area=whole.area), whole)
-    found = pair.located(np.random.default_rng(seed))
+    with ThreadPoolExecutor(jobs or os.cpu_count() or 1) as pool:
+        found = pair.located(np.random.default_rng(seed), pool)
     share = f"{part.mesh.name} has a long boundary, and {part.area / whole.area:.0%} of the area of {whole.mesh.name}"
+    if found is None and part.area < SURELY * whole.area:
+        raise NothingFoundError(f"{share}, but was not found on it; give both files the same units, or close its holes")
     if found is None:
         return None, f"{share}, but was not found on it in the units of the files; it was matched as a whole"
     places = pair.places_on_whole(found) if part is source else pair.places_on_part(found)
@@ -109,7 +129,7 @@ def is_part(surface: Surface, other: Surface) -> bool:
     """Whether a surface may be a part of another: it has a long boundary, and in the units of the files less area."""
     if surface.area > LARGEST * other.area:
         return False
-    ends = surface.mesh.vertices[_boundary(surface)]
+    ends = surface.mesh.vertices[boundary_edges(surface.mesh.faces)]
     return bool(np.linalg.norm(ends[:, 0] - ends[:, 1], axis=1).sum() > OPEN * np.sqrt(other.area))
 
 
@@ -126,29 +146,37 @@ class _Pair:
             (surface.proxy_distances / self.scale).astype(np.float32) for surface in (part, whole)
         )
         self.samples1, self.samples2 = (np.searchsorted(surface.proxy, surface.samples) for surface in (part, whole))
-        self.curvatures2 = _curvatures(whole, self.scale)
-        spread = np.maximum(self.curvatures2[whole.proxy].std(axis=0), 1e-9)
-        self.curvatures2 = self.curvatures2 / spread
-        self.curvatures1 = _curvatures(part, self.scale)[part.proxy] / spread
-        unlike = np.abs(self.curvatures1[:, None] - self.curvatures2[whole.proxy])
-        self.costs = (APPEARANCE * np.minimum(unlike.mean(axis=2), 3.0)).astype(np.float32)
-        self._nearest = scipy.spatial.cKDTree(whole.mesh.vertices[whole.proxy])
+        mine, theirs = (
+            curvatures((one.vertices - one.vertices.mean(axis=0)) / self.scale, one.faces, RADII)
+            for one in (part.mesh, whole.mesh)
+        )
+        spread = np.maximum(theirs[whole.proxy].std(axis=0), 1e-9)
+        self.curvatures1, self.curvatures2 = mine[part.proxy] / spread, theirs / spread
+        each = zip(self.curvatures1.T, self.curvatures2[whole.proxy].T, strict=True)
+        unlike = sum(np.abs(mine[:, None] - theirs) for mine, theirs in each)
+        self.costs = (APPEARANCE * np.minimum(unlike / self.curvatures1.shape[1], 3.0)).astype(np.float32)
+        # Along the surface: in space a hand may be next to a thigh.
+        self._home = nearest_centres(whole.mesh.vertices, whole.mesh.faces, whole.proxy)
 
-    def located(self, generator: np.random.Generator) -> Registration | None:
+    def located(self, generator: np.random.Generator, pool: ThreadPoolExecutor) -> Registration | None:
         """The part bent onto where it lies on the whole; None if it is not there."""
-        found = sorted((self.bent(image) for image in self.starts(generator)), key=self.badness)
-        refined = []
-        for one in found[:REFINED]:
-            if self.badness(one) <= CLOSE * self.badness(found[0]):
-                for _ in range(2):
-                    one = self.bent(self.image_by_landmarks(*self.landmarks(one)))
-                refined.append(one)
-        best = min(refined, key=self.badness, default=None)
-        if best is None or self.badness(best) > WORST or best.misfit.mean() > LOOSEST:
+        starts = self.starts(generator, pool)
+        found = sorted(pool.map(lambda image: self.bent(image, rounds=1), starts), key=self.badness)
+        if not found:
+            return None
+        promising = [one for one in found[:REFINED] if self.badness(one) <= CLOSE * self.badness(found[0])]
+        best = min(pool.map(self.refined, promising), key=self.badness)
+        if self.badness(best) > WORST or best.misfit.mean() > LOOSEST:
             return None
         return best
 
-    def starts(self, generator: np.random.Generator) -> list[np.ndarray]:
+    def refined(self, found: Registration) -> Registration:
+        """Bent again, twice, to where the landmarks that it places best say."""
+        for _ in range(2):
+            found = self.bent(self.image_by_landmarks(*self.landmarks(found)))
+        return found
+
+    def starts(self, generator: np.random.Generator, pool: ThreadPoolExecutor) -> list[np.ndarray]:
         """Maps of the part's proxy to the whole's (P1,) that the best triplets stand for, best first."""
         costs = self.costs[np.ix_(self.samples1, self.samples2)]
         alike = costs <= np.quantile(costs, ALIKE)
@@ -156,24 +184,29 @@ class _Pair:
         if not len(guided_triplets(generator, 50, *lengths, alike, SPREAD, TOLERANCE)[0]):
             return []
         first, second = guided_triplets(generator, TRIPLETS, *lengths, alike, SPREAD, TOLERANCE)
-        some1, some2 = (
-            np.arange(0, size, max(1, size // count)) for size, count in zip(self.costs.shape, COARSE, strict=True)
-        )
-        totals = np.empty(len(first))
-        coarse = self.distances1[:, some1], self.distances2[:, some2]
-        agreement(*coarse, first, second, self.costs[np.ix_(some1, some2)], APPEARANCE, totals)
-        best = np.argsort(-totals, kind="stable")[:KEPT]
-        first, second, totals = first[best], second[best], totals[best]
+        for count, points in COARSE:
+            some1, some2 = (
+                np.arange(0, size, max(1, size // few)) for size, few in zip(self.costs.shape, points, strict=True)
+            )
+            coarse = self.distances1[:, some1], self.distances2[:, some2], self.costs[np.ix_(some1, some2)]
+            totals = agreement(*coarse, first, second, APPEARANCE, pool)
+            best = np.argsort(-totals, kind="stable")[:count]
+            first, second, totals = first[best], second[best], totals[best]
         pairs = np.empty((len(best), len(self.samples1)), np.int64)
         for row, mine, theirs in zip(pairs, first, second, strict=True):
             apart = np.abs(
                 self.distances1[mine][:, self.samples1, None] - self.distances2[theirs][:, None, self.samples2]
             )
             row[:] = (apart.sum(axis=0) + costs).argmin(axis=1)
-        groups = group_triplets(pairs, self.whole.normalized_distances, totals)
-        return [
-            self._agreed(pairs[group], totals[group]) for group in groups if totals[group[0]] >= PROMISING * totals[0]
-        ]
+        groups = group_triplets(pairs, self.whole.normalized_distances, totals, RADIUS, GROUPS)
+        good = [group for group in groups if totals[group[0]] >= PROMISING * totals[0]]
+        images = list(pool.map(lambda group: self._agreed(pairs[group], totals[group]), good))
+        return sorted(images, key=self._unlikeness)[:SKETCHED]
+
+    def _unlikeness(self, image: np.ndarray) -> float:
+        """How much distances and curvatures differ under a map of the part's proxy to the whole's (P1,)."""
+        apart = self._compared(image)[1].mean()
+        return float(apart + 3 * self.costs[np.arange(len(image)), image].mean())
 
     def _agreed(self, pairs: np.ndarray, totals: np.ndarray) -> np.ndarray:
         """The map that a group of triplets agrees on."""
@@ -185,24 +218,20 @@ class _Pair:
 
     def image_by_landmarks(self, mine: np.ndarray, theirs: np.ndarray) -> np.ndarray:
         """Each vertex of the part's proxy to the one of the whole's that is as far from the landmarks: (P1,) int64."""
-        total = np.zeros_like(self.costs)
-        for row1, row2 in zip(self.distances1[mine], self.distances2[theirs], strict=True):
-            total += np.minimum(np.abs(row1[:, None] - row2), np.float32(CAP))
-        return (total * np.float32(3 / len(mine)) + self.costs).argmin(axis=1)
+        return as_far(self.distances1[mine], self.distances2[theirs], CAP, 3 / len(mine), self.costs)
 
-    def bent(self, image: np.ndarray) -> Registration:
-        return register(self.part, self.whole, self.whole.proxy[image], whole=False)
+    def bent(self, image: np.ndarray, rounds: int = ROUNDS) -> Registration:
+        return register(self.part, self.whole, self.whole.proxy[image], whole=False, rounds=rounds)
 
     def landmarks(self, found: Registration) -> tuple[np.ndarray, np.ndarray]:
         """The landmarks that a registration places best: samples of the part and of the whole."""
-        theirs, apart, snapped = self._compared(found)
+        theirs, apart, snapped = self._compared(self._home[found.image])
         doubt = np.median(apart, axis=1) + snapped + 3 * found.misfit[self.samples1] + 0.1 * found.turn[self.samples1]
         mine = np.argsort(doubt, kind="stable")[:LANDMARKS]
         return mine, theirs[mine]
 
-    def _compared(self, found: Registration) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    def _compared(self, image: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """The whole's sample (N1,) of each landmark, the errors of distances (N1, P1), how far the sample is off."""
-        image = self._nearest.query(self.whole.mesh.vertices[found.image])[1]
         images = self.distances2[:, image]
         theirs = images[:, self.samples1].argmin(axis=0)
         return theirs, np.abs(self.distances1 - images[theirs]), images[theirs, self.samples1]
@@ -213,7 +242,7 @@ class _Pair:
             1 - rank_correlation(of_part, of_whole)
             for of_part, of_whole in zip(self.curvatures1.T[2:4], self.curvatures2[found.image].T[2:4], strict=True)
         )
-        apart = self._compared(found)[1]
+        apart = self._compared(self._home[found.image])[1]
         evidence = {
             "distances": float(apart.mean()),
             "misfit": float(found.misfit.mean()),
@@ -225,13 +254,18 @@ class _Pair:
 
     def evidence(self, found: Registration) -> dict[str, np.ndarray]:
         """What speaks against the place of each vertex of the part's proxy, or for it: how far the cut is; (P1,)."""
-        _, apart, snapped = self._compared(found)
-        vertices = self.part.mesh.vertices
+        _, apart, snapped = self._compared(self._home[found.image])
+        vertices, around = self.part.mesh.vertices, neighbour_means(self.part)
+        unlike = np.abs(self.curvatures1 - self.curvatures2[found.image]).mean(axis=1)
         weight = np.exp(-self.distances1 / NEAR - snapped[:, None] / SNAPPED) + 1e-12
         return {
             "distances": (weight * apart).sum(axis=0) / weight.sum(axis=0),
-            "misfit": neighbour_means(self.part) @ found.misfit,
-            "cut": scipy.spatial.cKDTree(vertices[_boundary(self.part).ravel()]).query(vertices[self.part.proxy])[0]
+            "misfit": around @ found.misfit,
+            "curvature": around @ unlike,
+            "badness": np.full(len(unlike), self.badness(found)),
+            "cut": scipy.spatial.cKDTree(vertices[boundary_edges(self.part.mesh.faces).ravel()]).query(
+                vertices[self.part.proxy]
+            )[0]
             / self.scale,
         }
 
@@ -239,7 +273,7 @@ class _Pair:
         """The chance (P1,) float64 in [0, 1] that the place of each vertex of the part's proxy is right."""
         evidence = self.evidence(found)
         score = OFFSET + sum(slope * np.log(evidence[kind] + FLOOR) for kind, slope in SLOPES.items())
-        return np.asarray(1 / (1 + np.exp(-score)))
+        return np.where(evidence["cut"] >= MARGIN, 1 / (1 + np.exp(-score)), 0.0)
 
     def places_on_whole(self, found: Registration) -> tuple[SurfacePoints, np.ndarray]:
         """Points of the whole for the part's samples, and the chance of each."""
@@ -252,34 +286,14 @@ class _Pair:
     def places_on_part(self, found: Registration) -> tuple[SurfacePoints, np.ndarray]:
         """Points of the part for the whole's samples, and the chance of each; 0 for those that are off the part."""
         mesh = self.part.mesh
-        there, rest = (_looks(surface, self.scale) for surface in (self.whole, self.part))
+        there, rest = (looks(one.mesh.vertices / self.scale, one.mesh.faces) for one in (self.whole, self.part))
         bent = np.hstack([found.positions / self.scale, there[found.image, 3:]])
         queries = there[self.whole.samples]
         places = interpolated(bent, queries, rest[self.part.proxy].T).T
         points = closest_points(mesh.vertices / self.scale, mesh.faces, places[:, :3], nearest_rows(places, rest))
-        apart, node = scipy.spatial.cKDTree(bent).query(queries)
-        return points, np.where(apart <= ON_PART, self.chances(found)[node], 0.0)
-
-
-def _boundary(surface: Surface) -> np.ndarray:
-    """The edges (b, 2) at the boundary."""
-    table = edge_table(surface.mesh.faces)
-    return table.edges[table.counts == 1]
-
-
-def _looks(surface: Surface, scale: float) -> np.ndarray:
-    """Places and weighted normals (n, 6) of the vertices, to tell the two sides of a thin sheet apart."""
-    vertices = surface.mesh.vertices / scale
-    return np.hstack([vertices, NORMAL * vertex_normals(vertices, surface.mesh.faces)])
-
-
-def _curvatures(surface: Surface, scale: float) -> np.ndarray:
-    """Gauss and mean curvature (n, 6) at the radii, in common units."""
-    vertices = (surface.mesh.vertices - surface.mesh.vertices.mean(axis=0)) / scale
-    mesh = intrinsic_mesh(vertices, surface.mesh.faces)
-    size = np.sqrt(mesh.areas.sum())
-    columns = []
-    for radius in RADII:
-        columns.append(gauss_curvature(mesh, radius / size) / size**2)
-        columns.append(mean_curvature(mesh, vertices, surface.mesh.faces, radius / size) / size)
-    return np.stack(columns, axis=1)
+        node = scipy.spatial.cKDTree(bent).query(queries)[1]
+        middles = bent[self.part.proxy_edges].mean(axis=1)
+        apart = scipy.spatial.cKDTree(np.concatenate([bent, middles])).query(queries)[0]
+        # Along the surface too: what is missing may touch the part.
+        astray = self.distances2[np.arange(len(node)), self._home[found.image[node]]]
+        return points, np.where((apart <= ON_PART) & (astray <= ASTRAY), self.chances(found)[node], 0.0)

@@ -12,6 +12,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 import scipy.sparse as sp
 from scipy.sparse.csgraph import connected_components, dijkstra
 
@@ -68,7 +69,9 @@ class Registration:
     turn: np.ndarray
 
 
-def register(source: Surface, target: Surface, image: np.ndarray, *, whole: bool = True) -> Registration:
+def register(
+    source: Surface, target: Surface, image: np.ndarray, *, whole: bool = True, rounds: int = ROUNDS
+) -> Registration:
     """Bend the source onto the target.
 
     Parameters
@@ -79,6 +82,8 @@ def register(source: Surface, target: Surface, image: np.ndarray, *, whole: bool
         (P1,) int64: target vertex of each vertex of the source's proxy, to begin with.
     whole
         Whether the source covers the target. If not, eigenfunctions do not count, and the target does not draw.
+    rounds
+        How often the nearest points are looked for at each weight.
     """
     centre = target.mesh.vertices.mean(axis=0)
     here, there = source.mesh.vertices / np.sqrt(source.area), (target.mesh.vertices - centre) / np.sqrt(target.area)
@@ -89,6 +94,8 @@ def register(source: Surface, target: Surface, image: np.ndarray, *, whole: bool
     spectral2 = target.eigenfunctions[:, :shared]
     some = _candidates(target)
     goals = _features(there[some], normals2[some], spectral2[some])
+    # A tree is faster where there are few columns.
+    tree = None if whole else scipy.spatial.cKDTree(goals)
     drawing = np.searchsorted(some, drawers)
     body = Body(here[source.proxy], source.proxy_edges)
     places, positions, turns = there[image], there[image], np.empty(0)
@@ -97,11 +104,11 @@ def register(source: Surface, target: Surface, image: np.ndarray, *, whole: bool
         if trust == TRUST[0]:
             positions, turns = body.settle(positions, places, trust * held, SETTLING)
             continue
-        for _ in range(ROUNDS):
+        for _ in range(rounds):
             transfer = functional_map(spectral1[held], spectral2[image[held]])
             turned = np.einsum("ni,nij->nj", normals1, turns)
             seekers = _features(positions, turned, spectral1 @ transfer)
-            image = some[nearest_rows(seekers, goals)]
+            image = some[nearest_rows(seekers, goals) if tree is None else tree.query(seekers)[1]]
             drawn = nearest_rows(goals[drawing], seekers)
             number = 1 + np.bincount(drawn, minlength=len(image))
             drawing_to = [np.bincount(drawn, axis, len(image)) for axis in there[drawers].T]
@@ -184,6 +191,11 @@ def vertex_normals(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
     """Unit normals (n, 3) at the vertices; 0 where the faces around have no area."""
     sums = vertex_sums(faces, cross_products(vertices, faces), len(vertices))
     return sums / np.maximum(np.linalg.norm(sums, axis=1, keepdims=True), np.finfo(float).tiny)
+
+
+def looks(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
+    """Places and weighted normals (n, 6) of the vertices, to tell the two sides of a thin sheet apart."""
+    return np.hstack([vertices, NORMAL * vertex_normals(vertices, faces)])
 
 
 def _candidates(surface: Surface) -> np.ndarray:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..mesh.measure import cross_products, vertex_sums
-from .laplacian import IntrinsicMesh, corner_angles
+from .laplacian import IntrinsicMesh, corner_angles, intrinsic_mesh
 
 STEPS = 5
 
@@ -45,6 +45,17 @@ def mean_curvature(mesh: IntrinsicMesh, vertices: np.ndarray, faces: np.ndarray,
     integrated = 0.5 * np.einsum("ij,ij->i", mesh.laplacian @ vertices, normals)
     scale = np.sqrt(mesh.areas.sum())
     return smoothed_density(mesh, np.where(_on_boundary(mesh), 0.0, integrated / scale), radius)
+
+
+def curvatures(vertices: np.ndarray, faces: np.ndarray, radii: tuple[float, ...]) -> np.ndarray:
+    """Gauss and mean curvature at each radius in turn, (n, 2 * radii), in units of the vertices, as are the radii."""
+    mesh = intrinsic_mesh(vertices, faces)
+    size = np.sqrt(mesh.areas.sum())
+    columns = []
+    for radius in radii:
+        columns.append(gauss_curvature(mesh, radius / size) / size**2)
+        columns.append(mean_curvature(mesh, vertices, faces, radius / size) / size)
+    return np.stack(columns, axis=1)
 
 
 def smoothed_density(mesh: IntrinsicMesh, integrated: np.ndarray, radius: float) -> np.ndarray:

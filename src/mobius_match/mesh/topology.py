@@ -203,6 +203,12 @@ def boundary_loops(faces: Ints, table: EdgeTable | None = None) -> list[Ints]:
     return sorted(loops, key=lambda loop: -len(loop))
 
 
+def boundary_edges(faces: Ints) -> Ints:
+    """The edges (b, 2) of one face each."""
+    table = edge_table(faces)
+    return table.edges[table.counts == 1]
+
+
 def boundary_lengths(table: EdgeTable) -> Ints:
     """Number of edges of each closed curve of a manifold's boundary, longest first; any orientation."""
     ends = table.edges[table.counts == 1]
