@@ -34,8 +34,8 @@ def result_of(source, target, pairs, confidence=None):
         source_info=infos[0],
         target_info=infos[1],
         settings={},
-        source=SimpleNamespace(mesh=meshes[0]),
-        target=SimpleNamespace(mesh=meshes[1]),
+        source=SimpleNamespace(whole_mesh=meshes[0]),
+        target=SimpleNamespace(whole_mesh=meshes[1]),
     )
 
 
@@ -164,7 +164,7 @@ def test_the_numbers_are_those_of_the_users_file():
 
 
 def test_files_with_z_upward_look_like_files_with_y_upward(quadruped):
-    mesh = quadruped.source.mesh
+    mesh = quadruped.source.whole_mesh
     turned = (mesh.vertices[:, [0, 2, 1]] * [1, -1, 1], mesh.faces)
     difference = np.abs(drawn(quadruped) - drawn(result_of(turned, turned, quadruped.pairs)))
     assert difference.max(axis=2).mean() < 1e-3

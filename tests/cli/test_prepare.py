@@ -71,7 +71,7 @@ def test_preset_and_config_count(mobius, pair, tmp_path):
     assert (found.samples, found.placement, found.geodesics) == (12, "closest", "heat")
     ended = mobius("prepare", pair[0], "-o", tmp_path, "--preset", "paper", "--samples", 11)
     assert ended.code == 0
-    assert mm.Surface.load(tmp_path / "one.npz").settings == mm.PrepareSettings(11, "dijkstra", "mesh", "closest")
+    assert mm.Surface.load(tmp_path / "one.npz").settings == mm.PrepareSettings(11, "dijkstra", "mesh", "closest", 0)
 
 
 def test_wrong_usage(mobius, pair, tmp_path):

@@ -133,7 +133,7 @@ def _closest_on_triangle(query: np.ndarray, positions: np.ndarray, face: np.ndar
     whole = one_one * two_two - one_two * one_two
     v, w = (one_to * two_two - two_to * one_two) / whole, (two_to * one_one - one_to * one_two) / whole
     if v >= 0.0 and w >= 0.0 and v + w <= 1.0 and whole > FLAT * one_one * two_two:
-        weights[0], weights[1], weights[2] = 1.0 - v - w, v, w
+        weights[0], weights[1], weights[2] = max(1.0 - v - w, 0.0), v, w
         return _squared(query, positions, face, weights)
     # Not above the triangle, or it is none: the closest point of one of the edges.
     nearest, first, step = np.inf, 0, 0.0

@@ -10,9 +10,6 @@ from .laplacian import IntrinsicMesh
 SHIFT = 1e-2
 """Eigenvalues are looked for about minus this: the Laplacian itself is singular."""
 
-TOLERANCE = 1e-7
-"""Of the eigenvalues, relative; the last iterations bring them and the functions to round-off."""
-
 
 def eigenbasis(mesh: IntrinsicMesh, count: int) -> tuple[np.ndarray, np.ndarray]:
     """The lowest eigenpairs of the Laplacian, scaled to a surface of area 1.
@@ -32,7 +29,8 @@ def eigenbasis(mesh: IntrinsicMesh, count: int) -> tuple[np.ndarray, np.ndarray]
     inverse = mesh.pattern.factors(mesh.laplacian.data, SHIFT * mesh.masses)
     shape = (mesh.n_vertices, mesh.n_vertices)
     operator = spla.LinearOperator(shape, matvec=lambda x: root * inverse.solve(root * x.ravel()), dtype=np.float64)
-    values, functions = spla.eigsh(operator, count, which="LM", v0=start, tol=TOLERANCE)
+    # No tolerance: it would end the search before round-off has brought all copies of a multiple eigenvalue.
+    values, functions = spla.eigsh(operator, count, which="LM", v0=start)
     order = np.argsort(-values)
     return np.maximum(1 / values[order] - SHIFT, 0.0), functions[:, order] / root[:, None]
 
