@@ -15,6 +15,7 @@ from .errors import NothingFoundError
 from .geometry.points import SurfacePoints, closest_points
 from .hypotheses import TRUSTED, Explanation, contested, explanations, spread_to_surface
 from .matrix_processing import linear_assignment, max_row_column, normalized, recover
+from .mesh import unchanged
 from .partial import part_places
 from .preparing import each, finished, opened
 from .settings import MatchSettings, make_settings
@@ -141,6 +142,25 @@ def match(
         target=second,
         votes=votes,
     )
+
+
+def rematch(result: Correspondence, *, progress: Progress | None = None) -> Correspondence:
+    """Match the meshes of a loaded result again, with its own settings.
+
+    Parameters
+    ----------
+    result
+        A result of :meth:`Correspondence.load`; its paths count from the current folder.
+    progress
+        As in :func:`match`.
+
+    Raises
+    ------
+    MeshError
+        If a mesh was given as arrays, or its file is missing or has changed since (by its SHA-256).
+    """
+    paths = [unchanged(info.get("path"), info.get("sha256", "")) for info in (result.source_info, result.target_info)]
+    return match(*paths, progress=progress, **result.settings)
 
 
 def _voted(source: Surface, target: Surface, votes: Votes, settings: MatchSettings) -> dict[str, Any]:
