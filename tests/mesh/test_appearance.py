@@ -57,6 +57,15 @@ def test_textures_come_back_with_the_vertices_in_their_places(dressed, kind, tmp
     np.testing.assert_array_equal(*pictures)
 
 
+@pytest.mark.parametrize("kind", ["ply", "obj"])
+def test_vertices_keep_their_own_colours_beside_a_texture(dressed, kind, tmp_path):
+    vertices, faces, colors, uv, image, _ = dressed
+    colors[:, 3] = 255
+    found = read_appearance(saved(tmp_path, f"a.{kind}", vertices, faces, colors=colors, uv=uv, image=image))
+    np.testing.assert_array_equal(found.colors, colors)
+    np.testing.assert_allclose(found.uv, uv, atol=1e-6)
+
+
 def test_labels_and_values_come_back_from_ply(dressed, tmp_path):
     vertices, faces, colors, uv, image, labels = dressed
     values = {"height": vertices[:, 2], "a vector": vertices, "part": np.arange(len(vertices))}

@@ -132,8 +132,8 @@ class _Load:
 
     def _colors(self, given: Appearance) -> None:
         self._add_colors(self._need(given.colors, "colours", "give a file that has with --from"))
-        if given.image is not None:
-            self.notes.append("the vertices took their colours from the texture")
+        if given.sampled:
+            self.notes.append("the vertices have no colours of their own and take those of the texture")
 
     def _add_colors(self, colors: np.ndarray) -> None:
         self.mesh["colors"] = self.carrier.colors(colors)

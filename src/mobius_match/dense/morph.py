@@ -75,7 +75,7 @@ def interpolate(start: np.ndarray, end: np.ndarray, faces: np.ndarray, times: np
     """Shapes (T, n, 3) between two (n, 3) that share faces (m, 3); the first at time 0, the second at time 1."""
     edges = edges_of(faces)
     weights = np.bincount(faces.ravel(), np.repeat(np.linalg.norm(cross_products(start, faces), axis=1), 3), len(start))
-    weights /= weights.sum()
+    weights = weights / weights.sum()
     centre1, centre2 = weights @ start, weights @ end
     whole = _turn((start - centre1).T @ (weights[:, None] * (end - centre2)))
     rest, goal = start - centre1, (end - centre2) @ whole.T  # the target as it is turned like the source

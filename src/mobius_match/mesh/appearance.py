@@ -42,6 +42,8 @@ class Appearance:
         The texture as a PNG file, or None.
     labels
         (n_file_faces,) int64, one for each face of the file, or None.
+    sampled
+        Whether the colours are the texture's.
     """
 
     mesh: Mesh
@@ -49,6 +51,7 @@ class Appearance:
     uv: np.ndarray | None = None
     image: bytes | None = None
     labels: np.ndarray | None = None
+    sampled: bool = False
 
 
 def read_appearance(path: Path) -> Appearance:
@@ -66,33 +69,58 @@ def read_appearance(path: Path) -> Appearance:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             loaded: Any = trimesh.load(path, process=False, force="mesh")
-            colors, uv, image = _visual(loaded)
+            colors, uv, image, sampled = _visual(loaded)
+            own = _own_colors(path, loaded, len(mesh.vertices))
     except Exception as error:  # readers of many formats fail in countless ways; users get one error
         raise FormatError(f"{path}: its colours and textures cannot be read ({error}). Export it again.") from error
     labels = _labels(loaded, mesh)
     if colors is None and uv is None:
-        return Appearance(mesh, labels=labels)
+        return Appearance(mesh, own, labels=labels)
     corners = _corners(mesh, loaded)
     if colors is not None:
         of_corners, colors = colors[corners], np.full((len(mesh.vertices), 4), 255, np.uint8)
         colors[mesh.faces[::-1]] = of_corners[::-1]  # backwards, so that of several corners the first decides
-    return Appearance(mesh, colors, None if uv is None else uv[corners], image, labels)
+    if own is not None:
+        colors = own
+    return Appearance(mesh, colors, None if uv is None else uv[corners], image, labels, sampled and own is None)
 
 
-def _visual(loaded: Any) -> tuple[np.ndarray | None, np.ndarray | None, bytes | None]:
-    """Colours and texture coordinates at trimesh's vertices, and the picture."""
+def _visual(loaded: Any) -> tuple[np.ndarray | None, np.ndarray | None, bytes | None, bool]:
+    """Colours and texture coordinates at trimesh's vertices, the picture, and whether the colours are the picture's."""
     visual = loaded.visual
     if visual.kind == "vertex":
-        return np.asarray(visual.vertex_colors, np.uint8), None, None
+        return np.asarray(visual.vertex_colors, np.uint8), None, None, False
     if visual.kind != "texture" or visual.uv is None:
-        return None, None, None
+        return None, None, None, False
+    own = visual.vertex_attributes.get("color")
+    colors = None if own is None else np.asarray(own, np.uint8)
     uv, material = np.asarray(visual.uv, np.float64)[:, :2], visual.material
     picture = getattr(material, "image", None) or getattr(material, "baseColorTexture", None)
     if picture is None:
-        return None, uv, None
+        return colors, uv, None, False
     buffer = io.BytesIO()
     picture.save(buffer, "PNG")
-    return np.asarray(visual.to_color().vertex_colors, np.uint8), uv, buffer.getvalue()
+    sampled = np.asarray(visual.to_color().vertex_colors, np.uint8)
+    return sampled if colors is None else colors, uv, buffer.getvalue(), colors is None
+
+
+def _own_colors(path: Path, loaded: Any, size: int) -> np.ndarray | None:
+    """Colours (size, 4) of the vertices in .ply and .obj files, which trimesh forgets where there is a texture."""
+    colors = np.full((size, 4), 255, np.uint8)
+    if path.suffix.lower() == ".ply":
+        rows = loaded.metadata["_ply_raw"]["vertex"]["data"]
+        names = [name for name in ("red", "green", "blue", "alpha") if name in rows.dtype.names]
+        if len(names) < 3 or any(rows.dtype[name] != np.uint8 for name in names):
+            return None
+        for k, name in enumerate(names):
+            colors[:, k] = rows[name].reshape(-1)
+        return colors
+    if path.suffix.lower() == ".obj":
+        rows = [line.split()[1:] for line in path.read_text("latin-1").splitlines() if line.startswith(("v ", "v\t"))]
+        if len(rows) == size and all(len(row) == 6 for row in rows):
+            colors[:, :3] = np.round(np.clip([[float(x) for x in row[3:]] for row in rows], 0, 1) * 255)
+            return colors
+    return None
 
 
 def _corners(mesh: Mesh, loaded: Any) -> np.ndarray:
