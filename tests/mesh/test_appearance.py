@@ -132,3 +132,16 @@ def test_what_a_format_cannot_hold_is_refused(name, others, message, tmp_path):
 def test_a_file_without_anything_else(tmp_path):
     found = read_appearance(saved(tmp_path, "a.ply", *lump(1)))
     assert (found.colors, found.uv, found.image, found.labels) == (None,) * 4
+
+
+@pytest.mark.parametrize("polygons", [["3 0 1 2 5", "3 0 2 3 6"], ["4 0 1 2 3 5"]])
+def test_ply_as_text(tmp_path, polygons):
+    head = ["ply", "format ascii 1.0", "element vertex 4", *(f"property float {axis}" for axis in "xyz")]
+    head += [*(f"property uchar {name}" for name in ("red", "green", "blue")), f"element face {len(polygons)}"]
+    head += ["property list uchar int vertex_indices", "property int label", "end_header"]
+    rows = ["0 0 0 1 2 3", "1 0 0 4 5 6", "1 1 0 7 8 9", "0 1 0 10 11 12", *polygons]
+    (tmp_path / "a.ply").write_text("\n".join([*head, *rows]) + "\n")
+    found = read_appearance(tmp_path / "a.ply")
+    np.testing.assert_array_equal(found.colors[:, :3], np.arange(1, 13).reshape(4, 3))
+    assert found.labels.tolist() == [5, 6][: len(polygons)]
+    np.testing.assert_array_equal(found.mesh.faces, [[0, 1, 2], [0, 2, 3]])

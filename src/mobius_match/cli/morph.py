@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import os
 from pathlib import Path
 from typing import Annotated
 
 from typer import Option
 
 from .common import Reporter
-from .match import Quiet, Verbose
-from .output import write
+from .match import NoCache, Quiet, Verbose
+from .output import check_output, make_folder, write
 from .results import ResultFile, load_map
 
 MOST_FRAMES = 1000
@@ -23,6 +22,7 @@ def morph(
     back: Annotated[bool, Option("--back", help="From the target to the source.")] = False,
     seconds: Annotated[float, Option(metavar="S", help="Length of the animation.")] = 2.0,
     pixels: Annotated[int, Option(metavar="P", help="Width and height of the pictures; 0 for none.")] = 600,
+    no_cache: NoCache = False,
     quiet: Quiet = False,
     verbose: Verbose = False,
 ) -> None:
@@ -32,8 +32,8 @@ def morph(
     target's shape.
     """
     _check(output, frames, seconds, pixels)
-    with Reporter(quiet) as reporter:
-        surface_map = load_map(result, reporter)
+    with Reporter(quiet, verbose) as reporter:
+        surface_map = load_map(result, reporter, cache=not no_cache)
         surface_map = surface_map.inverse if back else surface_map
 
         import numpy as np
@@ -46,7 +46,6 @@ def morph(
         if lost:
             reporter.notes([f"{lost} vertices have no counterpart: they follow those around them"])
         shapes, faces = between(surface_map, np.linspace(0, 1, frames)), surface_map.source.faces
-        output.mkdir(parents=True, exist_ok=True)
         write(output / "morph.glb", animated_glb(shapes, faces, seconds))
         for number, picture in enumerate(draw_shapes(shapes, faces, size=(pixels, pixels)) if pixels else ()):
             reporter.progress("drawing", number, frames)
@@ -64,8 +63,5 @@ def _check(output: Path, frames: int, seconds: float, pixels: int) -> None:
         raise SettingsError(f"--seconds is {seconds}; give a number above 0, up to 3600.")
     if pixels and not SMALLEST <= pixels <= LARGEST:
         raise SettingsError(f"--pixels is {pixels}; give 0, or a number from {SMALLEST} to {LARGEST}.")
-    folder = output
-    while not folder.exists():
-        folder = folder.resolve().parent
-    if not folder.is_dir() or not os.access(folder, os.W_OK):
-        raise SettingsError(f"--output: {folder} is no folder that can be written to; name another.")
+    make_folder(output)
+    check_output("--output", output / "morph.glb")

@@ -22,7 +22,7 @@ ResultFile = Annotated[
 ]
 
 
-def load_map(path: Path, reporter: Reporter) -> SurfaceMap:
+def load_map(path: Path, reporter: Reporter, *, cache: bool) -> SurfaceMap:
     """The dense map that a file holds, or that matching its result again gives."""
     if path.suffix.lower() == ".npz":
         from ..dense import SurfaceMap
@@ -31,6 +31,7 @@ def load_map(path: Path, reporter: Reporter) -> SurfaceMap:
     from ..correspondence import Correspondence
     from ..matching import rematch
 
-    result = rematch(Correspondence.load(path), progress=reporter.progress)
+    with reporter.compiling():
+        result = rematch(Correspondence.load(path), cache=cache, progress=reporter.progress)
     reporter.notes(result.warnings)
     return result.dense()

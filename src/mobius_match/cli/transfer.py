@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 from typer import Option
 
 from .common import Reporter
-from .match import Quiet, Verbose
+from .match import NoCache, Quiet, Verbose
 from .output import STDOUT, check_output, write
 from .results import ResultFile, load_map
 
@@ -55,13 +55,14 @@ def transfer(
             help="Take colours, texture or labels from this file, numbered as the source's.",
         ),
     ] = None,
+    no_cache: NoCache = False,
     quiet: Quiet = False,
     verbose: Verbose = False,
 ) -> None:
     """Carry colours, textures, labels, values, landmarks or the shape itself from one matched mesh to the other."""
     _check(what, output, result, donor)
-    with Reporter(quiet) as reporter:
-        surface_map = load_map(result, reporter)
+    with Reporter(quiet, verbose) as reporter:
+        surface_map = load_map(result, reporter, cache=not no_cache)
 
         from ..dense.transfer import Carrier
 

@@ -108,13 +108,11 @@ def _own_colors(path: Path, loaded: Any, size: int) -> np.ndarray | None:
     """Colours (size, 4) of the vertices in .ply and .obj files, which trimesh forgets where there is a texture."""
     colors = np.full((size, 4), 255, np.uint8)
     if path.suffix.lower() == ".ply":
-        rows = loaded.metadata["_ply_raw"]["vertex"]["data"]
-        names = [name for name in ("red", "green", "blue", "alpha") if name in rows.dtype.names]
-        if len(names) < 3 or any(rows.dtype[name] != np.uint8 for name in names):
-            return None
+        element = loaded.metadata["_ply_raw"]["vertex"]
+        names = [name for name in ("red", "green", "blue", "alpha") if "u1" in element["properties"].get(name, "")]
         for k, name in enumerate(names):
-            colors[:, k] = rows[name].reshape(-1)
-        return colors
+            colors[:, k] = np.asarray(element["data"][name]).reshape(-1)
+        return colors if len(names) >= 3 else None
     if path.suffix.lower() == ".obj":
         rows = [line.split()[1:] for line in path.read_text("latin-1").splitlines() if line.startswith(("v ", "v\t"))]
         if len(rows) == size and all(len(row) == 6 for row in rows):
@@ -147,10 +145,9 @@ def _corners(mesh: Mesh, loaded: Any) -> np.ndarray:
 
 
 def _labels(loaded: Any, mesh: Mesh) -> np.ndarray | None:
-    try:
-        data = loaded.metadata["_ply_raw"]["face"]["data"]
-        name = next(name for name in LABELS if name in (data.dtype.names if hasattr(data, "dtype") else data))
-        labels = np.asarray(data[name]).reshape(-1)
-    except (KeyError, StopIteration, ValueError, TypeError):
+    element = loaded.metadata.get("_ply_raw", {}).get("face", {"properties": {}})
+    name = next((name for name in LABELS if name in element["properties"]), None)
+    if name is None:
         return None
-    return labels.astype(np.int64) if len(labels) == mesh.n_file_faces and (labels == np.floor(labels)).all() else None
+    labels = np.asarray(element["data"][name]).reshape(-1)
+    return labels.astype(np.int64) if len(labels) == mesh.n_file_faces and (labels % 1 == 0).all() else None
