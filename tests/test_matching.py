@@ -167,3 +167,40 @@ def test_an_error_in_progress_ends_the_match_at_once():
 
     with pytest.raises(KeyboardInterrupt):
         mm.match(lump(2), lump(2), preset="paper", progress=interrupt)
+
+
+@pytest.fixture
+def loaded(tmp_path):
+    """A loaded result of two files, and what was saved."""
+    for name in ("one.off", "two.off"):
+        vertices, faces = lump(2)
+        vertices = vertices @ rotation(1) if name == "two.off" else vertices
+        lines = [f"OFF\n{len(vertices)} {len(faces)} 0", *(" ".join(map(repr, row)) for row in vertices.tolist())]
+        (tmp_path / name).write_text("\n".join([*lines, *(f"3 {a} {b} {c}" for a, b, c in faces.tolist())]) + "\n")
+    result = mm.match(tmp_path / "one.off", tmp_path / "two.off", samples=40, seed=5, threshold=0.4)
+    result.save(tmp_path / "result.json")
+    return mm.Correspondence.load(tmp_path / "result.json"), result, tmp_path
+
+
+def test_a_loaded_result_is_matched_again_to_the_last_bit(loaded):
+    again, result = mm.rematch(loaded[0]), loaded[1]
+    for name in ("pairs", "confidence", "kind"):
+        np.testing.assert_array_equal(getattr(again, name), getattr(result, name))
+    assert again.settings == result.settings
+    np.testing.assert_array_equal(again.dense().positions, result.dense().positions)
+    with pytest.raises(mm.SettingsError, match="rematch"):
+        loaded[0].dense()
+
+
+def test_changed_and_missing_files_are_not_matched_again(loaded):
+    result, _, folder = loaded
+    with (folder / "two.off").open("a") as file:
+        file.write("\n")
+    with pytest.raises(mm.MeshError, match=r"two\.off: the file has changed since the match"):
+        mm.rematch(result)
+    (folder / "two.off").unlink()
+    with pytest.raises(mm.FormatError, match=r"two\.off: no such file"):
+        mm.rematch(result)
+    arrays = mm.match(lump(2), lump(2), samples=20)
+    with pytest.raises(mm.MeshError, match="given as arrays"):
+        mm.rematch(arrays)

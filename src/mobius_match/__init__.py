@@ -15,7 +15,7 @@ from .errors import FormatError, MeshError, MobiusError, NothingFoundError, Sett
 if TYPE_CHECKING:
     from .correspondence import Correspondence
     from .dense import Quality, SurfaceMap, isometric_distance, quality
-    from .matching import match
+    from .matching import match, rematch
     from .mesh import Mesh, read_mesh
     from .mirror import Symmetry, symmetry
     from .preparing import prepare
@@ -39,6 +39,7 @@ _HOMES = {
     "quality": "dense",
     "prepare": "preparing",
     "read_mesh": "mesh",
+    "rematch": "matching",
     "symmetry": "mirror",
 }
 
@@ -63,6 +64,7 @@ __all__ = [
     "prepare",
     "quality",
     "read_mesh",
+    "rematch",
     "symmetry",
 ]
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import io
 import os
+from collections.abc import Iterator
 from pathlib import Path
 from typing import IO, TYPE_CHECKING, Any
 
@@ -94,6 +95,51 @@ def draw_matches(
         path.write(content)
 
 
+def draw_shapes(
+    shapes: np.ndarray,
+    faces: np.ndarray,
+    *,
+    size: tuple[int, int] = (800, 800),
+    paint: np.ndarray | None = None,
+) -> Iterator[np.ndarray]:
+    """Draw shapes that share their faces, all from one place, in one light and at one scale.
+
+    Parameters
+    ----------
+    shapes
+        (T, n, 3) positions.
+    faces
+        (m, 3) vertex numbers.
+    size
+        Width and height in pixels.
+    paint
+        (n, 3) colours of the vertices from 0 to 1; grey if None.
+
+    Yields
+    ------
+    numpy.ndarray
+        (h, w, 3) float32 in [0, 1] for each shape.
+    """
+    everything = unit_box(shapes.reshape(-1, 3))
+    if _up(shapes[0].min(axis=0), shapes[0].max(axis=0)) == 2:
+        everything = everything[:, [0, 2, 1]] * [1, 1, -1]
+    placed = everything.reshape(shapes.shape)
+    area = np.linalg.norm(cross_products(placed[0], faces), axis=1).sum() / 2
+    placed = placed / max(np.sqrt(area), 1e-3)
+    nothing = np.empty(0, np.int64)
+    azimuth = _best_azimuth([_solid(one, faces, nothing) for one in placed[[0, len(placed) // 2, -1]]])
+    # Turned together, so that the middle of the picture is the middle of all.
+    turned = Shape(placed.reshape(-1, 3), faces, placed.reshape(-1, 3), nothing).turned(azimuth, ELEVATION).vertices
+    scale = float((0.94 * np.array(size) / np.ptp(turned[:, :2], axis=0)).min())
+    for shape in turned.reshape(shapes.shape):
+        yield render(_solid(shape, faces, nothing), scale, size, np.empty(0), np.empty((0, 3)), paint)
+
+
+def png(picture: np.ndarray) -> bytes:
+    """A picture (h, w, 3) in [0, 1] as the bytes of a PNG file."""
+    return _png(picture, (picture.shape[1], picture.shape[0]), None)
+
+
 def _check(path: Any, most: int, size: tuple[int, int]) -> None:
     if isinstance(path, str | os.PathLike) and Path(path).suffix.lower() != ".png":
         raise SettingsError(f"{path}: pictures are PNG files; give a name that ends in .png")
@@ -128,10 +174,12 @@ def _shape(mesh: Mesh, numbers: np.ndarray) -> Shape:
     vertices = unit_box(mesh.vertices)
     if _up(mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)) == 2:
         vertices = vertices[:, [0, 2, 1]] * [1, 1, -1]
-    cross = cross_products(vertices, mesh.faces)
-    area = np.linalg.norm(cross, axis=1).sum() / 2
-    normals = vertex_sums(mesh.faces, cross, len(vertices))
-    return Shape(vertices / max(np.sqrt(area), 1e-3), mesh.faces, unit(normals), matched)
+    area = np.linalg.norm(cross_products(vertices, mesh.faces), axis=1).sum() / 2
+    return _solid(vertices / max(np.sqrt(area), 1e-3), mesh.faces, matched)
+
+
+def _solid(vertices: np.ndarray, faces: np.ndarray, matched: np.ndarray) -> Shape:
+    return Shape(vertices, faces, unit(vertex_sums(faces, cross_products(vertices, faces), len(vertices))), matched)
 
 
 def _up(low: np.ndarray, high: np.ndarray) -> int:

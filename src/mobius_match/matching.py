@@ -15,6 +15,7 @@ from .errors import NothingFoundError
 from .geometry.points import SurfacePoints, closest_points
 from .hypotheses import TRUSTED, Explanation, contested, explanations, spread_to_surface
 from .matrix_processing import linear_assignment, max_row_column, normalized, recover
+from .mesh import unchanged
 from .partial import part_places
 from .preparing import each, finished, opened
 from .settings import MatchSettings, make_settings
@@ -124,8 +125,8 @@ def match(
     timings["total"] = time.perf_counter() - start
     return Correspondence(
         **matches,
-        source_info=_describe(first),
-        target_info=_describe(second),
+        source_info=first.info,
+        target_info=second.info,
         settings={**chosen.to_dict(), "preset": preset, "votes": votes.n_triplets},
         timings=timings,
         software=dict(software()),
@@ -135,13 +136,32 @@ def match(
             "triplets": votes.n_triplets,
             "voting triplets": votes.n_voting,
         },
-        warnings=(*_notes(first), *_notes(second), *votes.warnings, *([note] if note else []), *_doubts(found)),
+        warnings=(*first.notes, *second.notes, *votes.warnings, *([note] if note else []), *_doubts(found)),
         others=partial(_alternatives, first, second, votes, found, chosen),
         spread=partial(_spread, first, second, votes, found, chosen),
         source=first,
         target=second,
         votes=votes,
     )
+
+
+def rematch(result: Correspondence, *, cache: bool = False, progress: Progress | None = None) -> Correspondence:
+    """Match the meshes of a loaded result again, with its own settings.
+
+    Parameters
+    ----------
+    result
+        A result of :meth:`Correspondence.load`; its paths count from the current folder.
+    cache, progress
+        As in :func:`match`.
+
+    Raises
+    ------
+    MeshError
+        If a mesh was given as arrays, or its file is missing or has changed since (by its SHA-256).
+    """
+    paths = [unchanged(info.get("path"), info.get("sha256", "")) for info in (result.source_info, result.target_info)]
+    return match(*paths, cache=cache, progress=progress, **result.settings)
 
 
 def _voted(source: Surface, target: Surface, votes: Votes, settings: MatchSettings) -> dict[str, Any]:
@@ -276,19 +296,3 @@ def _doubts(found: list[Explanation]) -> list[str]:
         f"another explanation of the two shapes is nearly as good (it lost by {margin:.2f}; below {CLOSE} is close): "
         "look at the matches, and at the alternatives"
     ]
-
-
-def _notes(surface: Surface) -> list[str]:
-    return [f"{surface.mesh.name}: {note}" for note in (*surface.mesh.notes, *surface.warnings)]
-
-
-def _describe(surface: Surface) -> dict[str, Any]:
-    mesh = surface.mesh
-    return {
-        "path": None if mesh.path is None else str(mesh.path),
-        "sha256": mesh.sha256,
-        "vertices": mesh.n_file_vertices,
-        "faces": mesh.n_file_faces,
-        "area": surface.area,
-        "diameter": surface.diameter,
-    }

@@ -83,8 +83,18 @@ def visible(points: np.ndarray, depth: np.ndarray, tolerance: float) -> np.ndarr
     return points[:, 2] >= depth[y, x] - tolerance
 
 
-def render(shape: Shape, scale: float, size: tuple[int, int], radii: np.ndarray, colours: np.ndarray) -> np.ndarray:
-    """One surface with its spheres on white, (h, w, 3) float32 in [0, 1], the first row on top."""
+def render(
+    shape: Shape,
+    scale: float,
+    size: tuple[int, int],
+    radii: np.ndarray,
+    colours: np.ndarray,
+    paint: np.ndarray | None = None,
+) -> np.ndarray:
+    """One surface with its spheres on white, (h, w, 3) float32 in [0, 1], the first row on top.
+
+    The surface is grey, or has at its vertices the colours of `paint` (n, 3), in [0, 1].
+    """
     width, height = size
     fine = 3 if width * height < 1_500_000 else 2  # so many samples along each side of a pixel
     pixels = fine * (shape.vertices * scale + [width / 2, height / 2, 0])
@@ -103,7 +113,12 @@ def render(shape: Shape, scale: float, size: tuple[int, int], radii: np.ndarray,
         label[rows, columns][front] = k + 1
     inside = np.isfinite(depth)
     picture = np.ones_like(normal)
-    picture[inside] = _lit(normal[inside], np.vstack([GREY, colours])[label[inside]], label[inside] > 0)
+    shades = np.vstack([GREY, colours])[label[inside]]
+    if paint is not None:
+        painted = Shape(shape.vertices, shape.faces, paint, shape.matched)
+        surface = np.abs(rasterise(pixels, painted, depth.shape)[1][inside])  # the sign tells the back from the front
+        shades = np.where(label[inside, None] > 0, shades, surface)
+    picture[inside] = _lit(normal[inside], shades, label[inside] > 0)
     small = np.zeros((height, width, 3), np.float32)
     for i in range(fine * fine):
         small += picture[i // fine :: fine, i % fine :: fine] / fine**2

@@ -110,6 +110,24 @@ class Surface:
         return self.mesh if self.detail is None else self.detail.mesh
 
     @property
+    def info(self) -> dict[str, Any]:
+        """Path, SHA-256, numbers of vertices and faces, area and diameter, as they stand in results."""
+        mesh = self.mesh
+        return {
+            "path": None if mesh.path is None else str(mesh.path),
+            "sha256": mesh.sha256,
+            "vertices": mesh.n_file_vertices,
+            "faces": mesh.n_file_faces,
+            "area": self.area,
+            "diameter": self.diameter,
+        }
+
+    @property
+    def notes(self) -> list[str]:
+        """What a user should know of the mesh and its preparation, one line each."""
+        return [f"{self.mesh.name}: {note}" for note in (*self.mesh.notes, *self.warnings)]
+
+    @property
     def normalized_distances(self) -> np.ndarray:
         """Geodesic distances between the samples per sqrt(area), (N, N)."""
         return self.distances / np.sqrt(self.area)

@@ -13,8 +13,10 @@ from .common import guarded
 from .demo import demo
 from .info import info
 from .match import match
+from .morph import morph
 from .prepare import prepare
 from .symmetry import symmetry
+from .transfer import transfer
 
 app = typer.Typer(
     name="mobius",
@@ -45,5 +47,5 @@ def mobius(
     """
 
 
-for command in (match, info, demo, bench, symmetry, prepare, cache):
+for command in (match, info, demo, bench, symmetry, transfer, morph, prepare, cache):
     app.command()(guarded(command))

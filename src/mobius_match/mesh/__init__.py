@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from .files import as_mesh, read_mesh
+from .files import as_mesh, read_mesh, unchanged
 from .mesh import Mesh
 from .repair import repair
 from .report import describe, require_matchable
 
-__all__ = ["Mesh", "as_mesh", "describe", "read_mesh", "repair", "require_matchable"]
+__all__ = ["Mesh", "as_mesh", "describe", "read_mesh", "repair", "require_matchable", "unchanged"]

@@ -110,6 +110,24 @@ def _load(given: str | os.PathLike[str]) -> tuple[Path, bytes]:
     return path, data
 
 
+def unchanged(path: str | os.PathLike[str] | None, sha256: str) -> Path:
+    """The path of a mesh that something was made of, if the same file is still there.
+
+    Raises
+    ------
+    MeshError
+        No path (the mesh was given as arrays), or the file has changed since.
+    FormatError
+        No such file.
+    """
+    if path is None:
+        raise MeshError("a mesh was given as arrays, of which no file is known; match again from files.")
+    path, data = _load(path)
+    if hashlib.sha256(data).hexdigest() != sha256:
+        raise MeshError(f"{path}: the file has changed since the match. Match again, or put the old file back.")
+    return path
+
+
 def as_mesh(thing: Any) -> Mesh:
     """Make a `Mesh` of whatever a user hands over.
 

@@ -1,0 +1,67 @@
+"""``mobius morph RESULT -o DIR``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+from typer import Option
+
+from .common import Reporter
+from .match import NoCache, Quiet, Verbose
+from .output import check_output, make_folder, write
+from .results import ResultFile, load_map
+
+MOST_FRAMES = 1000
+
+
+def morph(
+    result: ResultFile,
+    output: Annotated[Path, Option("--output", "-o", metavar="DIR", help="Folder to write to; it is made if needed.")],
+    frames: Annotated[int, Option(metavar="N", help="Shapes from source to target, both counted.")] = 25,
+    back: Annotated[bool, Option("--back", help="From the target to the source.")] = False,
+    seconds: Annotated[float, Option(metavar="S", help="Length of the animation.")] = 2.0,
+    pixels: Annotated[int, Option(metavar="P", help="Width and height of the pictures; 0 for none.")] = 600,
+    no_cache: NoCache = False,
+    quiet: Quiet = False,
+    verbose: Verbose = False,
+) -> None:
+    """Turn one matched shape into the other: an animated morph.glb, and a picture of each frame.
+
+    All frames have the source's triangles. Limbs turn as wholes; the first frame is the source, the last the
+    target's shape.
+    """
+    _check(output, frames, seconds, pixels)
+    with Reporter(quiet, verbose) as reporter:
+        surface_map = load_map(result, reporter, cache=not no_cache)
+        surface_map = surface_map.inverse if back else surface_map
+
+        import numpy as np
+
+        from ..dense.animation import animated_glb
+        from ..dense.morph import morph as between
+        from ..figures import draw_shapes, png
+
+        lost = int((~surface_map.found).sum())
+        if lost:
+            reporter.notes([f"{lost} vertices have no counterpart: they follow those around them"])
+        shapes, faces = between(surface_map, np.linspace(0, 1, frames)), surface_map.source.faces
+        write(output / "morph.glb", animated_glb(shapes, faces, seconds))
+        for number, picture in enumerate(draw_shapes(shapes, faces, size=(pixels, pixels)) if pixels else ()):
+            reporter.progress("drawing", number, frames)
+            write(output / f"frame{number:03d}.png", png(picture))
+        reporter.notes([f"{frames} frames written to {output}"])
+
+
+def _check(output: Path, frames: int, seconds: float, pixels: int) -> None:
+    from ..errors import SettingsError
+    from ..figures import LARGEST, SMALLEST
+
+    if not 2 <= frames <= MOST_FRAMES:
+        raise SettingsError(f"--frames is {frames}; give a number from 2 to {MOST_FRAMES}.")
+    if not 0 < seconds <= 3600:
+        raise SettingsError(f"--seconds is {seconds}; give a number above 0, up to 3600.")
+    if pixels and not SMALLEST <= pixels <= LARGEST:
+        raise SettingsError(f"--pixels is {pixels}; give 0, or a number from {SMALLEST} to {LARGEST}.")
+    make_folder(output)
+    check_output("--output", output / "morph.glb")

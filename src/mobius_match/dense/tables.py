@@ -1,0 +1,144 @@
+"""Numbers in text and numpy files: a row for each vertex or face, or landmarks and curves."""
+
+from __future__ import annotations
+
+import csv
+import io
+import re
+import zipfile
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..errors import FormatError
+
+TEXTS, ARRAYS = (".csv", ".txt"), (".npy", ".npz")
+COLUMNS = ("name", "vertex", "x", "y", "z")
+
+
+@dataclass(frozen=True, eq=False)
+class Landmarks:
+    """Points on a surface; those that follow each other under one name are a curve.
+
+    Parameters
+    ----------
+    names
+        A name for each, or an empty list.
+    vertices
+        (q,) int64 vertex numbers, or None where there are places alone.
+    places
+        (q, 3) float64, or None where there are vertex numbers alone.
+    """
+
+    names: list[str]
+    vertices: Any
+    places: Any
+
+    def __len__(self) -> int:
+        return len(self.places if self.vertices is None else self.vertices)
+
+    def text(self) -> bytes:
+        """The landmarks as CSV: name (if there are names), vertex, x, y, z."""
+        columns: dict[str, list[str]] = {"name": self.names} if self.names else {}
+        if self.vertices is not None:
+            columns["vertex"] = [str(number) for number in self.vertices.tolist()]
+        if self.places is not None:
+            columns |= {
+                name: [repr(x) for x in column.tolist()] for name, column in zip("xyz", self.places.T, strict=True)
+            }
+        out = io.StringIO()
+        writer = csv.writer(out, lineterminator="\n")
+        writer.writerow(columns)
+        writer.writerows(zip(*columns.values(), strict=True))
+        return out.getvalue().encode()
+
+
+def read_table(path: Path) -> dict[str, np.ndarray] | Landmarks:
+    """Read numbers.
+
+    A text file has rows of numbers, separated by commas, semicolons or blanks, and maybe a line of headings. If these
+    name columns ``vertex`` or ``x, y, z``, the rows are landmarks, which may have a column ``name``.
+
+    Returns
+    -------
+    dict or Landmarks
+        Arrays by name (for text files by the file's), each with a row for each vertex or face; or landmarks.
+
+    Raises
+    ------
+    FormatError
+        If the file cannot be read as such; the message names the line.
+    """
+    try:
+        if path.suffix.lower() in ARRAYS:
+            loaded = np.load(path, allow_pickle=False)
+            if isinstance(loaded, np.ndarray):
+                return {path.stem: loaded}
+            with loaded:
+                return dict(loaded)
+        text = path.read_text(encoding="utf-8-sig")
+    except (OSError, ValueError, EOFError, zipfile.BadZipFile) as error:
+        raise FormatError(f"{path}: cannot be read ({error}). Check the path, or write it again.") from error
+    lines = [(number, line) for number, line in enumerate(text.splitlines(), 1) if line.strip() and line[0] != "#"]
+    mark = next((mark for mark in ",;\t" if lines and mark in lines[0][1]), None)
+    rows = [(n, line.split() if mark is None else next(csv.reader([line], delimiter=mark))) for n, line in lines]
+    rows = [(number, [cell.strip() for cell in row]) for number, row in rows]
+    if not rows:
+        raise FormatError(f"{path}: the file is empty; it needs a row of numbers for each vertex, face or landmark.")
+    width = len(rows[0][1])
+    for number, row in rows:
+        if len(row) != width:
+            raise FormatError(f"{path}: line {number} has {len(row)} columns, and the first has {width}.")
+    heads = [cell.lower() for cell in rows[0][1]] if any(_number(cell) is None for cell in rows[0][1]) else []
+    if "vertex" in heads or {"x", "y", "z"} <= set(heads):
+        return _landmarks(path, heads, rows[1:])
+    table = _numbers(path, rows[1:] if heads else rows, range(width))
+    return {path.stem: table[:, 0] if width == 1 else table}
+
+
+def as_landmarks(path: Path, arrays: dict[str, np.ndarray]) -> Landmarks | None:
+    """Rows without headings, taken for landmarks: a column of vertex numbers, or three of coordinates."""
+    (table,) = arrays.values() if len(arrays) == 1 else (np.empty((0, 0)),)
+    if table.ndim == 1 and len(table) and table.dtype.kind in "iu":
+        return Landmarks([], table.astype(np.int64), None)
+    return Landmarks([], None, table.astype(np.float64)) if table.ndim == 2 and table.shape[1] == 3 else None
+
+
+def text_of(values: np.ndarray) -> bytes:
+    """An array as CSV, a row for each of its own, in numbers that read back the same."""
+    rows = values.reshape(len(values), -1).tolist()
+    return "".join(",".join(map(repr, row)) + "\n" for row in rows).encode()
+
+
+def _landmarks(path: Path, heads: list[str], rows: list[tuple[int, list[str]]]) -> Landmarks:
+    names = [row[heads.index("name")] for _, row in rows] if "name" in heads else []
+    places = vertices = None
+    if {"x", "y", "z"} <= set(heads):
+        places = _numbers(path, rows, [heads.index(name) for name in "xyz"]).astype(np.float64)
+    if "vertex" in heads:
+        column = _numbers(path, rows, [heads.index("vertex")])[:, 0]
+        if column.dtype.kind != "i":
+            raise FormatError(f"{path}: the column 'vertex' has a number that is not whole.")
+        vertices = column
+    return Landmarks(names, vertices, places)
+
+
+def _numbers(path: Path, rows: list[tuple[int, list[str]]], columns: list[int] | range) -> np.ndarray:
+    """The numbers in some columns (rows, columns): int64 if all are whole and written so, else float64."""
+    for number, row in rows:
+        for column in columns:
+            if _number(row[column]) is None:
+                raise FormatError(f"{path}: line {number}: {row[column][:40]!r} is not a number.")
+    cells = [[row[column] for column in columns] for _, row in rows]
+    if all(re.fullmatch(r"[-+]?\d{1,18}", cell) for row in cells for cell in row):
+        return np.array(cells, dtype=object).astype(np.int64).reshape(len(rows), len(columns))
+    return np.array(cells, dtype=object).astype(np.float64).reshape(len(rows), len(columns))
+
+
+def _number(cell: str) -> float | None:
+    try:
+        return float(cell)
+    except ValueError:
+        return None

@@ -1,0 +1,247 @@
+"""What belongs to one surface, carried to another along a dense map: values, colours, labels, textures, landmarks.
+
+Everything counts as the user's own files do, with vertices and faces that repair has joined or cut.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..errors import SettingsError
+from ..geometry.points import SurfacePoints, closest_points
+from ..mesh import Mesh, read_mesh, unchanged
+from ..mesh.measure import box_scale, twins
+from .surface_map import SurfaceMap
+
+GREY = np.array([204, 207, 212, 255], np.uint8)
+"""Colour of what has no counterpart."""
+
+ON_VERTEX = 1e-6
+"""Barycentric coordinates below this are none: the point lies on the edge or the vertex."""
+
+FARTHEST = 3.0
+"""How far a corner may lie outside the face whose texture it takes, in sizes of that face."""
+
+
+class Carrier:
+    """Carries from the source's file to the target's along a map; ``Carrier(surface_map.inverse)`` carries back.
+
+    Parameters
+    ----------
+    surface_map
+        The map.
+
+    Attributes
+    ----------
+    source, target : Mesh
+        The meshes as the files have them.
+    missing : (n2,) bool
+        Which vertices of the target have no counterpart.
+
+    Raises
+    ------
+    MeshError
+        If a file is needed and is missing or has changed since the match.
+    """
+
+    def __init__(self, surface_map: SurfaceMap) -> None:
+        self.map = surface_map
+        self.source, self.target = user_mesh(surface_map.source), user_mesh(surface_map.target)
+        self._here = repaired_numbers(surface_map.source, self.source)
+        self._there = repaired_numbers(surface_map.target, self.target)
+        self.missing = (self._there < 0) | ~surface_map.back_found[self._there]
+
+    def values(self, values: np.ndarray) -> np.ndarray:
+        """Carry values at vertices.
+
+        Parameters
+        ----------
+        values
+            (n1, ...) one row for each vertex of the source. One column of whole numbers is taken for labels, which are
+            never mixed; all others are linear within faces.
+
+        Returns
+        -------
+        numpy.ndarray
+            (n2, ...) one row for each vertex of the target; NaN, or -1 for labels, where nothing corresponds.
+        """
+        values = np.asarray(values)
+        whole = values.ndim == 1 and values.dtype.kind in "iub"
+        if values.ndim == 0 or len(values) != len(self.source.vertices) or values.dtype.kind not in "iubf":
+            raise SettingsError(
+                f"{self.source.name} has {len(self.source.vertices)} vertices: one row of numbers is needed for each, "
+                f"not {values.dtype} of shape {values.shape}"
+            )
+        back = self.map.back
+        if whole:
+            carried = values.astype(np.int64)[self.map.source.vertex_ids[back.nearest]]
+        else:
+            carried = back.values(values.astype(np.float64)[self.map.source.vertex_ids])
+        carried = carried[self._there]
+        carried[self.missing] = -1 if whole else np.nan
+        return carried
+
+    def colors(self, colors: np.ndarray) -> np.ndarray:
+        """Carry colours (n1, 3 or 4), whole numbers from 0 to 255; (n2, ...) uint8, grey where nothing corresponds."""
+        colors = np.asarray(colors)
+        if (
+            colors.ndim != 2
+            or colors.shape[1] not in (3, 4)
+            or (colors.size and (colors.min() < 0 or colors.max() > 255))
+        ):
+            raise SettingsError(
+                f"colours are rows of 3 or 4 numbers from 0 to 255, not an array of shape {colors.shape}"
+            )
+        carried = self.values(colors)
+        carried[self.missing] = GREY[: carried.shape[1]]
+        return np.round(carried).astype(np.uint8)
+
+    def labels(self, labels: np.ndarray) -> np.ndarray:
+        """Carry labels (m1,) of faces, see :meth:`SurfaceMap.transfer_labels`; (m2,) int64, -1 for none."""
+        return self.map.transfer_labels(labels)
+
+    def uv(self, uv: np.ndarray) -> np.ndarray:
+        """Carry texture coordinates.
+
+        A face of the target takes those of the source's face that its centre lies in, continued to its corners; where
+        a corner's own image says nearly the same, it decides. So no face spans a seam.
+
+        Parameters
+        ----------
+        uv
+            (m1, 3, 2) coordinates at the corners of ``source.faces``.
+
+        Returns
+        -------
+        numpy.ndarray
+            (m2, 3, 2) at the corners of ``target.faces``; NaN where nothing corresponds.
+        """
+        uv = np.asarray(uv, np.float64)
+        if uv.shape != (len(self.source.faces), 3, 2):
+            raise SettingsError(
+                f"{self.source.name}: texture coordinates are of shape {uv.shape}; its {len(self.source.faces)} "
+                "triangles need (triangles, 3, 2)"
+            )
+        charts = self._charts(uv)
+        corners = self._there[self.target.faces]
+        centres, found = self.map.inverse.images(
+            SurfacePoints(np.full(len(corners), -1), corners, np.full((len(corners), 3), 1 / 3))
+        )
+        places = self.map.back.values(self.map.source.vertices)[corners]
+        weights = _continued(self.map.source.vertices[centres.corners], places)
+        carried = np.einsum("mck,mkd->mcd", weights, charts[centres.faces])
+        size = np.linalg.norm(carried - np.roll(carried, 1, axis=1), axis=2).max(axis=1)
+        own = np.einsum("nk,nkd->nd", self.map.back.barycentric, charts[self.map.back.faces])[corners]
+        near = np.linalg.norm(own - carried, axis=2) <= size[:, None]
+        carried = np.where(near[..., None], own, carried)
+        carried[~found | (corners < 0).any(axis=1)] = np.nan
+        return carried
+
+    def positions(self) -> np.ndarray:
+        """Where the source's vertices lie on the target, (n1, 3): its shape in the source's triangles; NaN for none."""
+        places = self.map.positions[self._here]
+        places[self._here < 0] = np.nan
+        return places
+
+    def points(self, points: SurfacePoints) -> tuple[np.ndarray, np.ndarray]:
+        """Where points of the source (see :meth:`at_vertices`, :meth:`snapped`) lie on the target.
+
+        Returns
+        -------
+        places, vertices
+            (q, 3) float64, and (q,) int64 the nearest vertices of the target's file; NaN and -1 for none.
+        """
+        images, found = self.map.images(points)
+        places = images.values(self.map.target.vertices)
+        vertices = self.map.target.vertex_ids[images.nearest]
+        places[~found], vertices[~found] = np.nan, -1
+        return places, vertices
+
+    def at_vertices(self, vertices: np.ndarray) -> SurfacePoints:
+        """Vertices (q,) of the source as points; those that are in no face are replaced by the nearest point."""
+        vertices = np.asarray(vertices, np.int64)
+        wrong = vertices[(vertices < 0) | (vertices >= len(self.source.vertices))]
+        if len(wrong):
+            raise SettingsError(
+                f"{self.source.name} has no vertex {wrong[0]}; it has {len(self.source.vertices)}, numbered from 0"
+            )
+        return self.snapped(self.source.vertices[vertices])[0]
+
+    def snapped(self, places: np.ndarray) -> tuple[SurfacePoints, np.ndarray]:
+        """The points of the source nearest to places (q, 3), and how far off (q,) they are, in the mesh's units."""
+        import igl
+
+        mesh = self.map.source
+        scale = box_scale(mesh.vertices)
+        places, vertices = np.ascontiguousarray(places, np.float64) / scale, mesh.vertices / scale
+        if not np.isfinite(places).all():
+            raise SettingsError("a place on the surface has a coordinate that is not a finite number")
+        faces = np.asarray(igl.point_mesh_squared_distance(places, vertices, mesh.faces)[1]).reshape(-1)
+        points = closest_points(vertices, mesh.faces, places, mesh.faces[faces, 0])
+        weights = np.where(points.barycentric < ON_VERTEX, 0.0, points.barycentric)
+        points = SurfacePoints(points.faces, points.corners, weights / weights.sum(axis=1, keepdims=True))
+        return points, np.linalg.norm(points.values(vertices) - places, axis=1) * scale
+
+    def _charts(self, uv: np.ndarray) -> np.ndarray:
+        """Texture coordinates at the corners of the repaired source's faces; NaN where repair has turned an edge."""
+        twin, mesh = twins(self.source.vertices), self.map.source
+        size = len(twin)
+        known = (self.source.face_ids[:, None] * size + twin[self.source.faces]).ravel()
+        wanted = (mesh.face_ids[:, None] * size + twin[mesh.vertex_ids[mesh.faces]]).ravel()
+        order = np.argsort(known, kind="stable")
+        place = order[np.searchsorted(known[order], wanted).clip(max=len(order) - 1)]
+        found = np.where((known[place] == wanted)[:, None], uv.reshape(-1, 2)[place], np.nan)
+        return found.reshape(-1, 3, 2)
+
+
+def _continued(triangles: np.ndarray, places: np.ndarray) -> np.ndarray:
+    """Barycentric coordinates (m, c, 3) of places (m, c, 3) in the planes of triangles (m, 3, 3), some negative."""
+    sides = triangles[:, 1:] - triangles[:, :1]
+    to = places - triangles[:, :1]
+    gram, along = np.einsum("mik,mjk->mij", sides, sides), np.einsum("mck,mik->mci", to, sides)
+    (a, b), c = gram[:, 0].T, gram[:, 1, 1]
+    determinant = np.maximum(a * c - b * b, 1e-12 * a * c + np.finfo(float).tiny)[:, None]
+    first = (along[..., 0] * c[:, None] - along[..., 1] * b[:, None]) / determinant
+    second = (along[..., 1] * a[:, None] - along[..., 0] * b[:, None]) / determinant
+    first, second = np.clip(first, -FARTHEST, FARTHEST), np.clip(second, -FARTHEST, FARTHEST)
+    return np.stack([1 - first - second, first, second], axis=2)
+
+
+def user_mesh(mesh: Mesh) -> Mesh:
+    """The mesh as the user's file has it.
+
+    Raises
+    ------
+    MeshError
+        If the file has changed or is missing, and the repaired mesh lacks part of it.
+    """
+    if mesh.path is not None and (mesh.path.exists() or not _whole(mesh)):
+        return read_mesh(unchanged(mesh.path, mesh.sha256))
+    # What repair has left out is in no face, so its place does not matter.
+    vertices = np.tile(mesh.vertices[:1], (mesh.n_file_vertices, 1))
+    vertices[mesh.vertex_ids] = mesh.vertices
+    return Mesh(
+        vertices,
+        mesh.vertex_ids[mesh.faces],
+        name=mesh.name,
+        sha256=mesh.sha256,
+        face_ids=mesh.face_ids,
+        n_file_faces=mesh.n_file_faces,
+    )
+
+
+def _whole(mesh: Mesh) -> bool:
+    """Whether repair has left nothing out."""
+    return len(mesh.vertices) == mesh.n_file_vertices and np.array_equal(mesh.face_ids, np.arange(mesh.n_file_faces))
+
+
+def repaired_numbers(mesh: Mesh, file: Mesh) -> np.ndarray:
+    """The repaired vertex of each vertex of the user's mesh (n,) int64, -1 for none; joined twins have the same."""
+    number = np.full(len(file.vertices), -1, np.int64)
+    number[mesh.vertex_ids[::-1]] = np.arange(len(mesh.vertices))[::-1]
+    twin = twins(file.vertices)
+    shared = np.full(len(number), -1, np.int64)
+    np.maximum.at(shared, twin, number)
+    used = np.zeros(len(number), bool)
+    used[file.faces] = True
+    return np.where((number < 0) & used, shared[twin], number)

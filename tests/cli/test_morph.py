@@ -1,0 +1,67 @@
+"""`mobius morph`: the folder that it writes, and how it ends."""
+
+import io
+
+import numpy as np
+import pytest
+import trimesh
+from PIL import Image
+
+from mobius_match.dense import SurfaceMap
+from mobius_match.geometry.points import SurfacePoints
+from mobius_match.mesh import Mesh
+
+
+@pytest.fixture(scope="module")
+def kept(shape, tmp_path_factory):
+    """The file of a map from a shape to itself, stretched and set aside."""
+    one, two = Mesh(*shape), Mesh(shape[0] * [1, 1, 2] + [5, 5, 5], shape[1])
+    corner = np.empty(len(one.vertices), np.int64)
+    corner[one.faces.ravel()] = np.arange(one.faces.size)
+    points = SurfacePoints(corner // 3, one.faces[corner // 3], np.eye(3)[corner % 3])
+    every = np.ones(len(one.vertices), bool)
+    path = tmp_path_factory.mktemp("map") / "map.npz"
+    SurfaceMap(one, two, points, points, every, every).save(path)
+    return path, one, two
+
+
+@pytest.mark.parametrize("back", [False, True])
+def test_frames_and_animation(mobius, kept, tmp_path, back):
+    path, *meshes = kept
+    first = meshes[back]
+    out = tmp_path / "new" / "folder"
+    ended = mobius("morph", path, "--frames", 3, "--pixels", 96, "-o", out, *(["--back"] if back else []))
+    assert (ended.code, ended.out) == (0, ""), ended.err
+    assert sorted(one.name for one in out.iterdir()) == ["frame000.png", "frame001.png", "frame002.png", "morph.glb"]
+    loaded = trimesh.load(io.BytesIO((out / "morph.glb").read_bytes()), file_type="glb", process=False, force="mesh")
+    np.testing.assert_allclose(loaded.vertices, first.vertices, atol=1e-5)
+    pictures = [np.asarray(Image.open(out / f"frame{k:03d}.png").convert("L"), float) for k in range(3)]
+    assert all(picture.shape == (96, 96) for picture in pictures)
+    # One camera for all: what moves through the picture moves on in it.
+    centres = np.array([np.argwhere(picture < 250).mean(axis=0) for picture in pictures])
+    one, two = np.diff(centres, axis=0)
+    assert np.abs(one - two).max() < 3 < np.abs(one).max() - 5
+
+
+def test_no_pictures(mobius, kept, tmp_path):
+    assert mobius("morph", kept[0], "--frames", 2, "--pixels", 0, "-o", tmp_path).code == 0
+    assert [one.name for one in tmp_path.iterdir()] == ["morph.glb"]
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (("--frames", 1), "--frames is 1; give a number from 2"),
+        (("--seconds", 0), "--seconds is 0"),
+        (("--pixels", 5), "--pixels is 5; give 0, or"),
+        (("-o", "file"), "the folder file cannot be made"),
+        (("-o", "file/below"), "the folder file/below cannot be made"),
+    ],
+)
+def test_errors(mobius, kept, tmp_path, monkeypatch, options, message):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "file").write_text("")
+    ended = mobius("morph", kept[0], "-o", "out", *options)
+    assert (ended.code, ended.out) == (2, "")
+    assert message in ended.err
+    assert [one.name for one in tmp_path.iterdir()] == ["file"]
