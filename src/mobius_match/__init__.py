@@ -15,10 +15,11 @@ from .errors import FormatError, MeshError, MobiusError, NothingFoundError, Sett
 if TYPE_CHECKING:
     from .correspondence import Correspondence
     from .dense import Quality, SurfaceMap, isometric_distance, quality
-    from .matching import match, rematch
+    from .matching import match
     from .mesh import Mesh, read_mesh
     from .mirror import Symmetry, symmetry
     from .preparing import prepare
+    from .rematching import rematch
     from .settings import MatchSettings, PrepareSettings
     from .surface import Surface
 
@@ -39,7 +40,7 @@ _HOMES = {
     "quality": "dense",
     "prepare": "preparing",
     "read_mesh": "mesh",
-    "rematch": "matching",
+    "rematch": "rematching",
     "symmetry": "mirror",
 }
 

@@ -15,8 +15,7 @@ from .errors import NothingFoundError
 from .geometry.points import SurfacePoints, closest_points
 from .hypotheses import TRUSTED, Explanation, contested, explanations, spread_to_surface
 from .matrix_processing import linear_assignment, max_row_column, normalized, recover
-from .mesh import unchanged
-from .partial import part_places
+from .partial import PartPlaces, part_places
 from .preparing import each, finished, opened
 from .settings import MatchSettings, make_settings
 from .software import software
@@ -111,7 +110,7 @@ def match(
         timings["explanations"] = time.perf_counter() - begin
         begin = time.perf_counter()
         if places:
-            matches = _reported(first, second, *places, np.ones(len(first.samples), bool), chosen)
+            matches = _reported(first, second, places.points, places.chances, np.ones(len(first.samples), bool), chosen)
         elif found:
             matches = _explained(first, second, votes, found[0], chosen)
         else:
@@ -138,30 +137,11 @@ def match(
         },
         warnings=(*first.notes, *second.notes, *votes.warnings, *([note] if note else []), *_doubts(found)),
         others=partial(_alternatives, first, second, votes, found, chosen),
-        spread=partial(_spread, first, second, votes, found, chosen),
+        spread=partial(_spread, first, second, votes, places or found, chosen),
         source=first,
         target=second,
         votes=votes,
     )
-
-
-def rematch(result: Correspondence, *, cache: bool = False, progress: Progress | None = None) -> Correspondence:
-    """Match the meshes of a loaded result again, with its own settings.
-
-    Parameters
-    ----------
-    result
-        A result of :meth:`Correspondence.load`; its paths count from the current folder.
-    cache, progress
-        As in :func:`match`.
-
-    Raises
-    ------
-    MeshError
-        If a mesh was given as arrays, or its file is missing or has changed since (by its SHA-256).
-    """
-    paths = [unchanged(info.get("path"), info.get("sha256", "")) for info in (result.source_info, result.target_info)]
-    return match(*paths, cache=cache, progress=progress, **result.settings)
 
 
 def _voted(source: Surface, target: Surface, votes: Votes, settings: MatchSettings) -> dict[str, Any]:
@@ -229,12 +209,15 @@ def _reported(
 
 
 def _spread(
-    source: Surface, target: Surface, votes: Votes, found: list[Explanation], settings: MatchSettings
+    source: Surface, target: Surface, votes: Votes, found: list[Explanation] | PartPlaces, settings: MatchSettings
 ) -> SurfaceMap:
     """The dense map under the chosen explanation; without one, under the matches of the samples."""
     from .dense.refine import dense_map
 
     with threadpool_limits(limits=1, user_api="blas"):
+        if isinstance(found, PartPlaces):
+            of_part = dense_map(found.part, found.whole, found.registration, whole=False)
+            return of_part if found.part_is_source else of_part.inverse
         if not found:
             pairs, _ = _assign(votes.matrix, settings)
             image = target.proxy[spread_to_surface(source, target, pairs[:TRUSTED])]

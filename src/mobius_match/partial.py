@@ -11,81 +11,45 @@ from __future__ import annotations
 
 import os
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
-import scipy
 
-from .confidence import interpolated, neighbour_means
-from .errors import NothingFoundError
-from .geometry.curvature import curvatures
-from .geometry.geodesics import nearest_centres
-from .geometry.points import SurfacePoints, closest_points
-from .geometry.spectral import nearest_rows
-from .hypotheses import group_triplets, rank_correlation
+from .geometry.points import SurfacePoints
+from .locating import Pair
 from .mesh.topology import boundary_edges
-from .registration import ROUNDS, Registration, looks, register
+from .registration import Registration
 from .surface import Surface
-from .voting.agreement import agreement, as_far
-from .voting.proposals import guided_triplets
 
 LARGEST = 0.97
 """Part of the other surface's area above which a surface is taken for a whole, though it has a boundary."""
 
-SURELY = 0.7
-"""Part of the other's area below which it can be nothing else: a whole surface of that size is not looked for."""
-
 OPEN = 0.15
 """Least length of the boundary of a part, per sqrt(area) of the whole."""
 
-RADII = (0.03, 0.06, 0.1)
-"""Widths that curvatures are smoothed to; like all lengths here, per sqrt(area) of the whole."""
 
-TRIPLETS, SPREAD, TOLERANCE, ALIKE = 10_000, 0.3, 0.15, 0.35
-"""How many are judged; least distance of their points, relative difference of lengths, part of all pairs allowed."""
+@dataclass(frozen=True, eq=False)
+class PartPlaces:
+    """Where one surface lies that is a part of the other.
 
-APPEARANCE = 0.1
-"""Distance that a difference in curvature of one standard deviation counts as much as."""
+    Parameters
+    ----------
+    points, chances
+        (N1,) points of the target for the source's samples, and the chance that each is right, 0 for a sample that
+        lies on what is missing.
+    part, whole, registration, part_is_source
+        The two surfaces in common units, the part bent onto the whole, and which of them is which.
+    """
 
-COARSE = ((2000, (25, 200)), (300, (100, 400)))
-"""How many triplets are kept in each round, by points of the part and of the whole; the last are grouped."""
-
-RADIUS, GROUPS, PROMISING = 0.1, 20, 0.8
-"""Mean distance of two triplets' places within a group, how many groups, and the least worth of the best triplet of
-each, as a part of that of the best of all."""
-
-SKETCHED, REFINED, CLOSE = 12, 2, 1.5
-"""How many groups are bent in haste, how many of these are refined, and up to which multiple of the least badness."""
-
-LANDMARKS = 50
-CAP = 0.15
-"""A distance to a landmark that is wrong by more counts no more: it may lead through what is missing."""
-
-WEIGHTS = {"distances": 1.0, "misfit": 10.0, "turn": 1.0, "gauss curvature": 1.0, "mean curvature": 1.0}
-"""What each kind of evidence against a place counts."""
-
-WORST, LOOSEST = 1.5, 0.0135
-"""Weighted sum, and mean distance of the bent part from the whole, above which the one is no part of the other."""
-
-NEAR, SNAPPED = 0.15, 0.03
-"""Over which a landmark has a say in how well distances agree, and how far its image may be from a known one."""
-
-FLOOR = 0.01
-SLOPES = {"distances": -2.42, "misfit": -1.27, "cut": 0.80, "badness": -1.41, "curvature": -0.75}
-OFFSET = -12.41
-"""Logistic regression of being right on the logarithms of the evidence, over parts of animals and people; places on
-what is missing count five times. The offset is lowered so that a chance of 0.5 here is one of 0.7 there."""
-
-MARGIN = 0.035
-"""Distance from the cut below which no match is reported: what is sent there may as well lie beyond it."""
-
-ON_PART, ASTRAY = 0.02, 0.1
-"""Distance of a point of the whole from the bent part, and along the surface, up to which it can belong to it."""
+    points: SurfacePoints
+    chances: np.ndarray
+    part: Surface
+    whole: Surface
+    registration: Registration
+    part_is_source: bool
 
 
-def part_places(
-    source: Surface, target: Surface, seed: int, jobs: int | None = None
-) -> tuple[tuple[SurfacePoints, np.ndarray] | None, str]:
+def part_places(source: Surface, target: Surface, seed: int, jobs: int | None = None) -> tuple[PartPlaces | None, str]:
     """Where the source's samples lie on the target, if one of the two is a part of the other.
 
     Parameters
@@ -100,29 +64,24 @@ def part_places(
     Returns
     -------
     places
-        Points of the target and the chance (N1,) that each is right, 0 for a sample that lies on what is missing;
         None if neither is a part of the other.
     note
         What a user should know of it, empty where neither looks like a part.
 
-    Raises
-    ------
-    NothingFoundError
-        If one can be nothing but a part, and was not found.
     """
     if not is_part(source, target) and not is_part(target, source):
         return None, ""
     part, whole = (source, target) if source.area < target.area else (target, source)
-    pair = _Pair(replace(part, area=whole.area), whole)
+    pair = Pair(replace(part, area=whole.area), whole)
     with ThreadPoolExecutor(jobs or os.cpu_count() or 1) as pool:
         found = pair.located(np.random.default_rng(seed), pool)
     share = f"{part.mesh.name} has a long boundary, and {part.area / whole.area:.0%} of the area of {whole.mesh.name}"
-    if found is None and part.area < SURELY * whole.area:
-        raise NothingFoundError(f"{share}, but was not found on it; give both files the same units, or close its holes")
     if found is None:
         return None, f"{share}, but was not found on it in the units of the files; it was matched as a whole"
-    places = pair.places_on_whole(found) if part is source else pair.places_on_part(found)
-    return places, f"{share}; it was matched as a part of it, in the units of the files"
+    points, chances = pair.places_on_whole(found) if part is source else pair.places_on_part(found)
+    return PartPlaces(
+        points, chances, pair.part, whole, found, part is source
+    ), f"{share}; it was matched as a part of it, in the units of the files"
 
 
 def is_part(surface: Surface, other: Surface) -> bool:
@@ -131,169 +90,3 @@ def is_part(surface: Surface, other: Surface) -> bool:
         return False
     ends = surface.mesh.vertices[boundary_edges(surface.mesh.faces)]
     return bool(np.linalg.norm(ends[:, 0] - ends[:, 1], axis=1).sum() > OPEN * np.sqrt(other.area))
-
-
-class _Pair:
-    """A part and the whole in common units, with what is measured on both.
-
-    In all that follows a landmark is a sample of the part together with the sample of the whole next to its image.
-    """
-
-    def __init__(self, part: Surface, whole: Surface) -> None:
-        self.part, self.whole = part, whole
-        self.scale = np.sqrt(whole.area)
-        self.distances1, self.distances2 = (
-            (surface.proxy_distances / self.scale).astype(np.float32) for surface in (part, whole)
-        )
-        self.samples1, self.samples2 = (np.searchsorted(surface.proxy, surface.samples) for surface in (part, whole))
-        mine, theirs = (
-            curvatures((one.vertices - one.vertices.mean(axis=0)) / self.scale, one.faces, RADII)
-            for one in (part.mesh, whole.mesh)
-        )
-        spread = np.maximum(theirs[whole.proxy].std(axis=0), 1e-9)
-        self.curvatures1, self.curvatures2 = mine[part.proxy] / spread, theirs / spread
-        each = zip(self.curvatures1.T, self.curvatures2[whole.proxy].T, strict=True)
-        unlike = sum(np.abs(mine[:, None] - theirs) for mine, theirs in each)
-        self.costs = (APPEARANCE * np.minimum(unlike / self.curvatures1.shape[1], 3.0)).astype(np.float32)
-        # Along the surface: in space a hand may be next to a thigh.
-        self._home = nearest_centres(whole.mesh.vertices, whole.mesh.faces, whole.proxy)
-
-    def located(self, generator: np.random.Generator, pool: ThreadPoolExecutor) -> Registration | None:
-        """The part bent onto where it lies on the whole; None if it is not there."""
-        starts = self.starts(generator, pool)
-        found = sorted(pool.map(lambda image: self.bent(image, rounds=1), starts), key=self.badness)
-        if not found:
-            return None
-        promising = [one for one in found[:REFINED] if self.badness(one) <= CLOSE * self.badness(found[0])]
-        best = min(pool.map(self.refined, promising), key=self.badness)
-        if self.badness(best) > WORST or best.misfit.mean() > LOOSEST:
-            return None
-        return best
-
-    def refined(self, found: Registration) -> Registration:
-        """Bent again, twice, to where the landmarks that it places best say."""
-        for _ in range(2):
-            found = self.bent(self.image_by_landmarks(*self.landmarks(found)))
-        return found
-
-    def starts(self, generator: np.random.Generator, pool: ThreadPoolExecutor) -> list[np.ndarray]:
-        """Maps of the part's proxy to the whole's (P1,) that the best triplets stand for, best first."""
-        costs = self.costs[np.ix_(self.samples1, self.samples2)]
-        alike = costs <= np.quantile(costs, ALIKE)
-        lengths = self.part.distances / self.scale, self.whole.distances / self.scale
-        if not len(guided_triplets(generator, 50, *lengths, alike, SPREAD, TOLERANCE)[0]):
-            return []
-        first, second = guided_triplets(generator, TRIPLETS, *lengths, alike, SPREAD, TOLERANCE)
-        for count, points in COARSE:
-            some1, some2 = (
-                np.arange(0, size, max(1, size // few)) for size, few in zip(self.costs.shape, points, strict=True)
-            )
-            coarse = self.distances1[:, some1], self.distances2[:, some2], self.costs[np.ix_(some1, some2)]
-            totals = agreement(*coarse, first, second, APPEARANCE, pool)
-            best = np.argsort(-totals, kind="stable")[:count]
-            first, second, totals = first[best], second[best], totals[best]
-        pairs = np.empty((len(best), len(self.samples1)), np.int64)
-        for row, mine, theirs in zip(pairs, first, second, strict=True):
-            apart = np.abs(
-                self.distances1[mine][:, self.samples1, None] - self.distances2[theirs][:, None, self.samples2]
-            )
-            row[:] = (apart.sum(axis=0) + costs).argmin(axis=1)
-        groups = group_triplets(pairs, self.whole.normalized_distances, totals, RADIUS, GROUPS)
-        good = [group for group in groups if totals[group[0]] >= PROMISING * totals[0]]
-        images = list(pool.map(lambda group: self._agreed(pairs[group], totals[group]), good))
-        return sorted(images, key=self._unlikeness)[:SKETCHED]
-
-    def _unlikeness(self, image: np.ndarray) -> float:
-        """How much distances and curvatures differ under a map of the part's proxy to the whole's (P1,)."""
-        apart = self._compared(image)[1].mean()
-        return float(apart + 3 * self.costs[np.arange(len(image)), image].mean())
-
-    def _agreed(self, pairs: np.ndarray, totals: np.ndarray) -> np.ndarray:
-        """The map that a group of triplets agrees on."""
-        votes = np.zeros((pairs.shape[1], len(self.samples2)))
-        for row, total in zip(pairs, totals, strict=True):
-            votes[np.arange(len(row)), row] += total
-        chosen = np.argsort(-votes.max(axis=1), kind="stable")[:LANDMARKS]
-        return self.image_by_landmarks(chosen, votes.argmax(axis=1)[chosen])
-
-    def image_by_landmarks(self, mine: np.ndarray, theirs: np.ndarray) -> np.ndarray:
-        """Each vertex of the part's proxy to the one of the whole's that is as far from the landmarks: (P1,) int64."""
-        return as_far(self.distances1[mine], self.distances2[theirs], CAP, 3 / len(mine), self.costs)
-
-    def bent(self, image: np.ndarray, rounds: int = ROUNDS) -> Registration:
-        return register(self.part, self.whole, self.whole.proxy[image], whole=False, rounds=rounds)
-
-    def landmarks(self, found: Registration) -> tuple[np.ndarray, np.ndarray]:
-        """The landmarks that a registration places best: samples of the part and of the whole."""
-        theirs, apart, snapped = self._compared(self._home[found.image])
-        doubt = np.median(apart, axis=1) + snapped + 3 * found.misfit[self.samples1] + 0.1 * found.turn[self.samples1]
-        mine = np.argsort(doubt, kind="stable")[:LANDMARKS]
-        return mine, theirs[mine]
-
-    def _compared(self, image: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """The whole's sample (N1,) of each landmark, the errors of distances (N1, P1), how far the sample is off."""
-        images = self.distances2[:, image]
-        theirs = images[:, self.samples1].argmin(axis=0)
-        return theirs, np.abs(self.distances1 - images[theirs]), images[theirs, self.samples1]
-
-    def badness(self, found: Registration) -> float:
-        """The weighted sum of the evidence against a registration."""
-        gauss, mean = (
-            1 - rank_correlation(of_part, of_whole)
-            for of_part, of_whole in zip(self.curvatures1.T[2:4], self.curvatures2[found.image].T[2:4], strict=True)
-        )
-        apart = self._compared(self._home[found.image])[1]
-        evidence = {
-            "distances": float(apart.mean()),
-            "misfit": float(found.misfit.mean()),
-            "turn": float(found.turn.mean()),
-            "gauss curvature": gauss,
-            "mean curvature": mean,
-        }
-        return sum(WEIGHTS[kind] * value for kind, value in evidence.items())
-
-    def evidence(self, found: Registration) -> dict[str, np.ndarray]:
-        """What speaks against the place of each vertex of the part's proxy, or for it: how far the cut is; (P1,)."""
-        _, apart, snapped = self._compared(self._home[found.image])
-        vertices, around = self.part.mesh.vertices, neighbour_means(self.part)
-        unlike = np.abs(self.curvatures1 - self.curvatures2[found.image]).mean(axis=1)
-        weight = np.exp(-self.distances1 / NEAR - snapped[:, None] / SNAPPED) + 1e-12
-        return {
-            "distances": (weight * apart).sum(axis=0) / weight.sum(axis=0),
-            "misfit": around @ found.misfit,
-            "curvature": around @ unlike,
-            "badness": np.full(len(unlike), self.badness(found)),
-            "cut": scipy.spatial.cKDTree(vertices[boundary_edges(self.part.mesh.faces).ravel()]).query(
-                vertices[self.part.proxy]
-            )[0]
-            / self.scale,
-        }
-
-    def chances(self, found: Registration) -> np.ndarray:
-        """The chance (P1,) float64 in [0, 1] that the place of each vertex of the part's proxy is right."""
-        evidence = self.evidence(found)
-        score = OFFSET + sum(slope * np.log(evidence[kind] + FLOOR) for kind, slope in SLOPES.items())
-        return np.where(evidence["cut"] >= MARGIN, 1 / (1 + np.exp(-score)), 0.0)
-
-    def places_on_whole(self, found: Registration) -> tuple[SurfacePoints, np.ndarray]:
-        """Points of the whole for the part's samples, and the chance of each."""
-        mesh, here = self.whole.mesh, self.samples1
-        points = closest_points(
-            mesh.vertices / self.scale, mesh.faces, found.positions[here] / self.scale, found.image[here]
-        )
-        return points, self.chances(found)[here]
-
-    def places_on_part(self, found: Registration) -> tuple[SurfacePoints, np.ndarray]:
-        """Points of the part for the whole's samples, and the chance of each; 0 for those that are off the part."""
-        mesh = self.part.mesh
-        there, rest = (looks(one.mesh.vertices / self.scale, one.mesh.faces) for one in (self.whole, self.part))
-        bent = np.hstack([found.positions / self.scale, there[found.image, 3:]])
-        queries = there[self.whole.samples]
-        places = interpolated(bent, queries, rest[self.part.proxy].T).T
-        points = closest_points(mesh.vertices / self.scale, mesh.faces, places[:, :3], nearest_rows(places, rest))
-        node = scipy.spatial.cKDTree(bent).query(queries)[1]
-        middles = bent[self.part.proxy_edges].mean(axis=1)
-        apart = scipy.spatial.cKDTree(np.concatenate([bent, middles])).query(queries)[0]
-        # Along the surface too: what is missing may touch the part.
-        astray = self.distances2[np.arange(len(node)), self._home[found.image[node]]]
-        return points, np.where((apart <= ON_PART) & (astray <= ASTRAY), self.chances(found)[node], 0.0)

@@ -29,7 +29,7 @@ def load_map(path: Path, reporter: Reporter, *, cache: bool) -> SurfaceMap:
 
         return SurfaceMap.load(path)
     from ..correspondence import Correspondence
-    from ..matching import rematch
+    from ..rematching import rematch
 
     with reporter.compiling():
         result = rematch(Correspondence.load(path), cache=cache, progress=reporter.progress)
