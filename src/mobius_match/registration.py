@@ -85,6 +85,18 @@ def register(
     rounds
         How often the nearest points are looked for at each weight.
     """
+    freed, torn = _register(source, target, image, whole, rounds, True)
+    if not (torn and whole):
+        return freed
+    # A piece that was torn off by a few wrong points beside it is better believed: what stretches less is right.
+    believed, _ = _register(source, target, image, whole, rounds, False)
+    return min(freed, believed, key=lambda one: stretching(source, target, one))
+
+
+def _register(
+    source: Surface, target: Surface, image: np.ndarray, whole: bool, rounds: int, freeing: bool
+) -> tuple[Registration, bool]:
+    """:func:`register` with torn pieces set free or not, and whether there were any."""
     centre = target.mesh.vertices.mean(axis=0)
     here, there = source.mesh.vertices / np.sqrt(source.area), (target.mesh.vertices - centre) / np.sqrt(target.area)
     normals1, normals2 = vertex_normals(here, source.mesh.faces)[source.proxy], vertex_normals(there, target.mesh.faces)
@@ -99,7 +111,9 @@ def register(
     drawing = np.searchsorted(some, drawers)
     body = Body(here[source.proxy], source.proxy_edges)
     places, positions, turns = there[image], there[image], np.empty(0)
-    held = body.held(places)
+    everything = np.ones(len(image), bool)
+    held = body.held(places) if freeing else everything
+    torn = not held.all()
     for trust in TRUST:
         if trust == TRUST[0]:
             positions, turns = body.settle(positions, places, trust * held, SETTLING)
@@ -113,16 +127,17 @@ def register(
             number = 1 + np.bincount(drawn, minlength=len(image))
             drawing_to = [np.bincount(drawn, axis, len(image)) for axis in there[drawers].T]
             places = (np.stack(drawing_to, axis=1) + there[image]) / number[:, None]
-            held = body.held(there[image]) if trust <= BELIEVED else np.ones(len(image), bool)
+            held = body.held(there[image]) if freeing and trust <= BELIEVED else everything
             positions, turns = body.settle(positions, places, trust * held, STEPS)
     turned = np.einsum("ni,nij->nj", normals1, turns)
-    return Registration(
+    found = Registration(
         image,
         positions * np.sqrt(target.area) + centre,
         np.linalg.norm(positions - there[image], axis=1),
         turns,
         1 - np.einsum("ij,ij->i", turned, normals2[image]),
     )
+    return found, torn
 
 
 def stretching(source: Surface, target: Surface, registration: Registration) -> float:
