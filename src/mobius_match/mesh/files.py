@@ -122,6 +122,8 @@ def unchanged(path: str | os.PathLike[str] | None, sha256: str) -> Path:
     """
     if path is None:
         raise MeshError("a mesh was given as arrays, of which no file is known; match again from files.")
+    if not Path(path).exists():
+        raise FormatError(f"{path}: no such file. Put it back, or work from the folder in which it was matched.")
     path, data = _load(path)
     if hashlib.sha256(data).hexdigest() != sha256:
         raise MeshError(f"{path}: the file has changed since the match. Match again, or put the old file back.")
