@@ -8,7 +8,7 @@ edges are those of the target, so both ends are exact.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 
 import numpy as np
 import scipy.sparse as sp
@@ -66,7 +66,7 @@ def ends(surface_map: SurfaceMap) -> np.ndarray:
         # Where a piece has no counterpart at all, next to nothing keeps it in place.
         firm = np.where(found, 1e6, 1e-9)
         laplacian, _ = _graph(edges_of(mesh.faces), len(found))
-        moved = _solver(laplacian + sp.diags(firm))(firm[:, None] * moved)
+        moved = factorized(laplacian + sp.diags(firm)).solve(firm[:, None] * moved)
         places[~found] = (mesh.vertices + moved)[~found]
     return places
 
@@ -86,7 +86,7 @@ def interpolate(start: np.ndarray, end: np.ndarray, faces: np.ndarray, times: np
     back = (Rotation.from_rotvec(vectors) * Rotation.from_rotvec(rests)).inv()
     unturned = [back[ends].apply(after) for ends in (first, second)]
     # Constants are fixed by the centre below; every piece of the surface needs one.
-    solve = _solver(laplacian + sp.diags(1e-10 * (1 + laplacian.diagonal())))
+    solve = factorized(laplacian + sp.diags(1e-10 * (1 + laplacian.diagonal()))).solve
     whole_vector = Rotation.from_matrix(whole.T).as_rotvec()  # the matrices here turn rows
     shapes = np.empty((len(times), len(start), 3))
     for shape, time in zip(shapes, times, strict=True):
@@ -192,14 +192,6 @@ def _incidence(edges: np.ndarray, size: int, first: float) -> sp.csr_matrix:
 def _adjacency(edges: np.ndarray, size: int) -> sp.csr_matrix:
     rows, columns = np.concatenate([edges, edges[:, ::-1]]).T
     return sp.csr_matrix((np.ones(len(rows)), (rows, columns)), shape=(size, size))
-
-
-def _solver(matrix: sp.csr_matrix) -> Callable[[np.ndarray], np.ndarray]:
-    """What gives the solution of the equations with this matrix for any right-hand sides (n, k)."""
-    # Regular meshes, numbered regularly, lead the search for a good order of elimination astray: 40 times the work.
-    order = np.random.default_rng(0).permutation(matrix.shape[0])
-    factors, back = factorized(matrix[order][:, order]), np.argsort(order)
-    return lambda values: factors.solve(values[order])[back]
 
 
 def _graph(edges: np.ndarray, size: int) -> tuple[sp.csr_matrix, sp.csr_matrix]:

@@ -131,6 +131,24 @@ def vertex_areas(mesh: IntrinsicMesh) -> np.ndarray:
     return np.bincount(mesh.faces.ravel(), corner, mesh.n_vertices)
 
 
-def factorized(matrix: sp.spmatrix) -> spla.SuperLU:
+def factorized(matrix: sp.spmatrix) -> Factors:
     """Factors of a symmetric positive definite sparse matrix, to solve with many right-hand sides."""
-    return spla.splu(matrix.tocsc(), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
+    # On meshes that are numbered regularly minimum degree runs astray, to 40 times the work; shuffled it does not.
+    order = np.random.default_rng(0).permutation(matrix.shape[0])
+    shuffled = matrix.tocsr()[order][:, order].tocsc()
+    options = {"SymmetricMode": True}
+    return Factors(order, spla.splu(shuffled, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=options))
+
+
+@dataclass(frozen=True, eq=False)
+class Factors:
+    """Of a matrix whose rows and columns are taken in another order."""
+
+    order: np.ndarray
+    shuffled: spla.SuperLU
+
+    def solve(self, right: np.ndarray) -> np.ndarray:
+        """The solution (n, ...) for right-hand sides (n, ...)."""
+        found = np.empty(right.shape)
+        found[self.order] = self.shuffled.solve(np.ascontiguousarray(right[self.order], np.float64))
+        return found
