@@ -129,6 +129,7 @@ function follow() {
   });
   all(".name").forEach((name, s) => {
     const [x, y, width] = view.boxes()[s];
+    name.lastChild.hidden = width < 380;
     Object.assign(name.style, { left: `${x}px`, top: `${y + 8}px`, maxWidth: `${width}px` });
   });
 }
@@ -136,24 +137,24 @@ function follow() {
 function pointing() {
   let down = null;
   const place = (event) => {
-    const box = $("shapes").getBoundingClientRect();
+    const box = $("view").getBoundingClientRect();
     return [event.clientX - box.left, event.clientY - box.top, event.pointerType === "touch" ? 22 : 8];
   };
-  $("shapes").addEventListener("pointerdown", (event) => (down = [event.clientX, event.clientY]));
-  $("shapes").addEventListener("pointerup", (event) => {
+  $("view").addEventListener("pointerdown", (event) => (down = [event.clientX, event.clientY]));
+  $("view").addEventListener("pointerup", (event) => {
     if (down && Math.hypot(event.clientX - down[0], event.clientY - down[1]) < 5) choose(view.pick(...place(event)));
     down = null;
   });
-  $("shapes").addEventListener("pointermove", (event) => {
+  $("view").addEventListener("pointermove", (event) => {
     if (event.buttons || event.pointerType === "touch") return;
     const match = view.pick(...place(event));
-    $("shapes").classList.toggle("over", match !== null);
+    $("view").classList.toggle("over", match !== null);
     if (match !== state.hovered) {
       state.hovered = match;
       if (!state.chosen) update();
     }
   });
-  $("shapes").addEventListener("pointerleave", () => {
+  $("view").addEventListener("pointerleave", () => {
     state.hovered = null;
     if (!state.chosen) update();
   });
@@ -166,7 +167,7 @@ all(".name").forEach((name, s) => {
   name.append(element("span", `, ${vertices.toLocaleString("en")} vertices${simplified ? ", drawn with fewer" : ""}`));
 });
 try {
-  view = new View($("shapes"), $("lines"), data);
+  view = new View($("view"), $("lines"), data);
   view.onDraw = follow;
   pointing();
 } catch (error) {

@@ -75,7 +75,7 @@ export class View {
         mark.dispose();
       }
       side.marks = kinds.map((kind, k) => this.#marks(side, kind, k)).filter(Boolean);
-      side.scene.add(...side.marks);
+      for (const mark of side.marks) side.scene.add(mark);
       side.halo.visible = chosen !== null;
       if (chosen !== null) {
         side.halo.position.copy(this.point(s, chosen));

@@ -7,14 +7,25 @@ import select
 import shutil
 import signal
 import subprocess
+import sys
 import time
 
 NAMES = ("chromium", "chromium-browser", "google-chrome", "chrome")
 FLAGS = (
     "--headless=new", "--no-sandbox", "--disable-gpu", "--enable-unsafe-swiftshader", "--no-first-run",
     "--disable-background-networking", "--disable-component-update", "--disable-sync", "--disable-dev-shm-usage",
-    "--disable-default-apps", "--disable-extensions", "--window-size=1200,800", "--remote-debugging-pipe",
+    "--disable-default-apps", "--disable-extensions", "--window-size=1000,600", "--remote-debugging-pipe",
 )  # fmt: skip
+
+# The browser reads from 3 and writes to 4. By way of numbers above, so that neither is overwritten before it is used.
+START = """
+import fcntl, os, sys
+ends = [fcntl.fcntl(int(end), fcntl.F_DUPFD, 5) for end in sys.argv[1:3]]
+for end, number in zip(ends, (3, 4)):
+    os.dup2(end, number)
+    os.close(end)
+os.execv(sys.argv[3], sys.argv[3:])
+"""
 
 
 def find():
@@ -32,15 +43,11 @@ class Chromium:
         self.rest = b""
         theirs_in, self.out = os.pipe()
         self.into, theirs_out = os.pipe()
-        # The browser reads from 3 and writes to 4; numbers above, so that neither is overwritten before it is used.
-        high = [os.dup(fd) for fd in (theirs_in, theirs_out)]
-        while min(high) < 5:
-            high = [os.dup(fd) for fd in high]
-        shell = f'exec "$@" 3<&{high[0]} 4>&{high[1]}'
-        command = ["sh", "-c", shell, "sh", find(), *FLAGS, f"--user-data-dir={folder}", "about:blank"]
+        ends = theirs_in, theirs_out
+        command = [sys.executable, "-c", START, *map(str, ends), find(), *FLAGS, f"--user-data-dir={folder}"]
         quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
-        self.process = subprocess.Popen(command, pass_fds=high, start_new_session=True, **quiet)
-        for fd in (theirs_in, theirs_out, *high):
+        self.process = subprocess.Popen([*command, "about:blank"], pass_fds=ends, start_new_session=True, **quiet)
+        for fd in ends:
             os.close(fd)
         self.session = None
         targets = self.call("Target.getTargets")["targetInfos"]
@@ -84,7 +91,7 @@ class Chromium:
         message, _, self.rest = self.rest.partition(b"\0")
         return json.loads(message)
 
-    def open(self, path, width=1200, height=800, dark=False, phone=False):
+    def open(self, path, width=1000, height=600, dark=False, phone=False):
         """Load a file, and wait until the page is drawn."""
         self.call(
             "Emulation.setDeviceMetricsOverride",
@@ -133,7 +140,6 @@ class Chromium:
         self.mouse("mouseMoved", x, y)
         self.mouse("mousePressed", x, y, "left", 1)
         self.mouse("mouseReleased", x, y, "left", 1)
-        self.settle()
 
     def complaints(self):
         """Errors and warnings in the console, and exceptions."""

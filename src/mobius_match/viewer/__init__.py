@@ -24,7 +24,6 @@ if TYPE_CHECKING:
     from ..correspondence import Alternative, Correspondence
     from ..dense import SurfaceMap
     from ..mesh import Mesh
-    from ..rendering import Shape
     from ..surface import Surface
 
 MOST = 30_000
@@ -120,11 +119,11 @@ def _content(result: Correspondence, names: list[str], dense: SurfaceMap | None)
     shapes = [shape_of(mesh, numbers) for mesh, numbers in zip(meshes, result.pairs.T, strict=True)]
     drawn = [_drawn(mesh, surface) for mesh, surface in zip(meshes, surfaces, strict=True)]
     middles = [(shape.vertices.min(axis=0) + shape.vertices.max(axis=0)) / 2 for shape in shapes]
-    # Both at one scale (equal areas look equal), unless that would make one of them tiny; as in pictures.
+    # Both at one scale (equal areas look equal), unless that would make one of them tiny.
     fits = [
         1 / np.linalg.norm(shape.vertices - middle, axis=1).max() for shape, middle in zip(shapes, middles, strict=True)
     ]
-    scales = [min(fit, 1.5 * min(fits)) for fit in fits]
+    scales = [max(min(fits), fit / 1.5) for fit in fits]
     placed = [(shape.vertices - middle) * scale for shape, middle, scale in zip(shapes, middles, scales, strict=True)]
     sides = [
         {
