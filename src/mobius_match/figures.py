@@ -127,7 +127,7 @@ def draw_shapes(
     area = np.linalg.norm(cross_products(placed[0], faces), axis=1).sum() / 2
     placed = placed / max(np.sqrt(area), 1e-3)
     nothing = np.empty(0, np.int64)
-    azimuth = _best_azimuth([_solid(one, faces, nothing) for one in placed[[0, len(placed) // 2, -1]]])
+    azimuth = best_azimuth([_solid(one, faces, nothing) for one in placed[[0, len(placed) // 2, -1]]])
     # Turned together, so that the middle of the picture is the middle of all.
     turned = Shape(placed.reshape(-1, 3), faces, placed.reshape(-1, 3), nothing).turned(azimuth, ELEVATION).vertices
     scale = float((0.94 * np.array(size) / np.ptp(turned[:, :2], axis=0)).min())

@@ -7,20 +7,10 @@ from mobius_match.correspondence import Alternative, Correspondence
 from mobius_match.dense import SurfaceMap
 from mobius_match.geometry.points import SurfacePoints
 from mobius_match.mesh import as_mesh, repair
+from mobius_match.viewer import page
 from tests import shapes
 from tests.viewer.chromium import Chromium, find
-
-
-class Prepared:
-    """As much of a prepared surface as a page needs."""
-
-    def __init__(self, mesh):
-        self.mesh = self.whole_mesh = mesh
-        self.detail = None
-
-
-def info(mesh, path=None):
-    return {"path": path, "sha256": mesh.sha256, "vertices": mesh.n_file_vertices, "faces": mesh.n_file_faces}
+from tests.viewer.pages import Prepared, info
 
 
 @pytest.fixture(scope="session")
@@ -66,3 +56,19 @@ def browser(tmp_path_factory):
     started = Chromium(tmp_path_factory.mktemp("chromium"))
     yield started
     started.close()
+
+
+@pytest.fixture(scope="session")
+def file(result, dense, tmp_path_factory):
+    path = tmp_path_factory.mktemp("page") / "page.html"
+    path.write_text(page(result, dense=dense), encoding="utf-8")
+    return path
+
+
+@pytest.fixture
+def opened(browser, file):
+    """The page, freshly loaded; nothing may complain nor go to the network by the end of the test."""
+    browser.open(file)
+    yield browser
+    assert browser.complaints() == []
+    assert [url for url in browser.requests() if not url.startswith(("data:", "blob:"))] == []

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import csv
-import io
 import json
 import re
 import time
@@ -11,80 +10,11 @@ from dataclasses import replace
 from html import unescape
 
 import numpy as np
-import pytest
 from matplotlib.image import imread
 
 from mobius_match import Correspondence
 from mobius_match.viewer import page
-from tests.viewer.conftest import Prepared, info
-
-STATUS = "document.getElementById('status').textContent"
-ROWS = (
-    "[...document.querySelectorAll('tbody tr')].filter((row) => !row.hidden).map((row) => row.innerText.split('\\t'))"
-)
-
-
-@pytest.fixture(scope="module")
-def file(result, dense, tmp_path_factory):
-    path = tmp_path_factory.mktemp("page") / "page.html"
-    path.write_text(page(result, dense=dense), encoding="utf-8")
-    return path
-
-
-@pytest.fixture
-def opened(browser, file):
-    """The page, freshly loaded; nothing may complain nor go to the network by the end of the test."""
-    browser.open(file)
-    yield browser
-    assert browser.complaints() == []
-    assert [url for url in browser.requests() if not url.startswith(("data:", "blob:"))] == []
-
-
-def picture(browser):
-    """The screen as (h, w, 3) numbers from 0 to 1."""
-    return imread(io.BytesIO(browser.screenshot()))[:, :, :3]
-
-
-def halves(browser):
-    """The two parts of the stage that hold the shapes, without the names above."""
-    box = browser.run("(({x, y, width, height}) => [x, y, width, height])(view.getBoundingClientRect())")
-    x, y, width, height = np.round(box).astype(int)
-    stage = picture(browser)[y : y + height, x : x + width]
-    parts = np.array_split(stage, 2, axis=browser.run("+(document.querySelectorAll('.name')[1].offsetTop < 20)"))
-    height, width = np.min([part.shape[:2] for part in parts], axis=0)
-    return [part[40:height, :width] for part in parts]
-
-
-def saturated(half):
-    return half.max(axis=2) - half.min(axis=2) > 0.25
-
-
-def choose(browser, name, value):
-    browser.run(f"{name}.value = {value}; {name}.dispatchEvent(new Event('change'))")
-    browser.settle()
-
-
-def take(browser, number):
-    """Choose a match in the table."""
-    browser.run(f"document.querySelectorAll('tbody button')[{number - 1}].click()")
-    browser.settle()
-
-
-def slide(browser, value):
-    browser.run(f"least.value = {value}; least.dispatchEvent(new Event('input'))")
-    browser.settle()
-
-
-def ends(browser):
-    """Where the two ends of the chosen match are on the screen, as its labels tell."""
-    found = browser.run(
-        "[...document.querySelectorAll('.end')].map((label) => [label.style.transform, label.textContent])"
-    )
-    corner = browser.run("(({x, y}) => [x, y])(view.getBoundingClientRect())")
-    return [
-        (np.array(re.findall(r"-?[\d.]+(?=px)", transform), float) + corner + [-14, 26], text)
-        for transform, text in found
-    ]
+from tests.viewer.pages import ROWS, STATUS, Prepared, choose, ends, halves, info, picture, saturated, slide, take
 
 
 def test_both_shapes_are_drawn_alike(opened):

@@ -13,7 +13,7 @@ from mobius_match import Correspondence, FormatError, MeshError, SurfaceMap, exa
 from mobius_match.geometry.points import SurfacePoints
 from mobius_match.mesh import as_mesh, repair
 from mobius_match.viewer import page
-from tests.viewer.conftest import Prepared, info
+from tests.viewer.pages import Prepared, info
 
 
 def element(text, name):
