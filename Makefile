@@ -9,7 +9,7 @@ DEMO_DIR ?= mobius-demo
 
 IN_RANGE := import sys, venv, ensurepip; sys.exit(not (3, 11) <= sys.version_info[:2] <= (3, 13))
 
-.PHONY: help demo test lint clean
+.PHONY: help demo test lint viewer clean
 
 help: ## show this list
 	@sed -n 's/^\([a-z]*\):.*## /  make \1\t/p' $(MAKEFILE_LIST)
@@ -25,8 +25,11 @@ lint: $(READY) ## check style and types
 	@$(BIN)/ruff format --check .
 	@$(BIN)/mypy
 
+viewer: ## build the script of the viewer's page again after a change in viewer/ (needs Node)
+	@cd viewer && npm ci --no-audit --no-fund --ignore-scripts && npm run --silent build
+
 clean: ## remove what was built
-	rm -rf $(VENV) $(DEMO_DIR) build dist .pytest_cache .mypy_cache .ruff_cache .hypothesis src/*.egg-info
+	rm -rf $(VENV) $(DEMO_DIR) viewer/node_modules build dist .pytest_cache .mypy_cache .ruff_cache .hypothesis src/*.egg-info
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +
 
 $(READY): pyproject.toml constraints/lock.txt

@@ -15,7 +15,7 @@ from matplotlib.image import imread
 from scipy import ndimage
 
 from mobius_match import Correspondence, FormatError, MeshError, SettingsError, examples
-from mobius_match.figures import _colours, draw_matches
+from mobius_match.figures import colours_of, draw_matches
 from mobius_match.mesh import as_mesh, repair
 from mobius_match.rendering import Shape, render
 
@@ -98,7 +98,7 @@ def test_a_match_has_one_colour_on_both_sides():
     assert np.abs(first[0] - first[1]).max() > 0.3
 
 
-def test_exchanged_matches_exchange_colours():
+def test_exchanged_matches_exchangecolours_of():
     (vertices, faces), _ = ball()
     ends = [int(np.argmax(vertices @ [x, 0, 1])) for x in (-1, 1)]
     one, other = halves(drawn(result_of((vertices, faces), (vertices, faces), [ends, ends[::-1]])))
@@ -260,17 +260,17 @@ def test_settings_out_of_range(quadruped, tmp_path, name, options, message):
     assert not list(tmp_path.iterdir())
 
 
-def test_colours_change_smoothly_and_stand_out():
+def testcolours_of_change_smoothly_and_stand_out():
     rng = np.random.default_rng(0)
     line = np.c_[np.linspace(-3, 3, 60), 0.01 * rng.normal(size=(60, 2))]
-    level = _colours(line) @ [0.2126, 0.7152, 0.0722]
-    chroma = np.ptp(_colours(line), axis=1)
+    level = colours_of(line) @ [0.2126, 0.7152, 0.0722]
+    chroma = np.ptp(colours_of(line), axis=1)
     assert chroma.min() > 0.3
     assert np.ptp(level) > 0.3
-    neighbours = np.linalg.norm(np.diff(_colours(np.c_[line[:, 0], np.zeros((60, 2))]), axis=0), axis=1)
-    assert neighbours.max() < 0.15 < 0.9 < np.linalg.norm(_colours(line)[0] - _colours(line)[-1])
-    assert _colours(np.zeros((0, 3))).shape == (0, 3)
-    assert np.isfinite(_colours(np.zeros((1, 3)))).all()
+    neighbours = np.linalg.norm(np.diff(colours_of(np.c_[line[:, 0], np.zeros((60, 2))]), axis=0), axis=1)
+    assert neighbours.max() < 0.15 < 0.9 < np.linalg.norm(colours_of(line)[0] - colours_of(line)[-1])
+    assert colours_of(np.zeros((0, 3))).shape == (0, 3)
+    assert np.isfinite(colours_of(np.zeros((1, 3)))).all()
 
 
 def test_no_global_state_of_matplotlib():

@@ -7,7 +7,7 @@ import os
 import tempfile
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -19,6 +19,7 @@ from .geometry.points import SurfacePoints
 if TYPE_CHECKING:
     from .dense import SurfaceMap
     from .surface import Surface
+    from .viewer import View
     from .voting import Votes
 
 FORMAT = "mobius-match/correspondence"
@@ -81,7 +82,7 @@ class Correspondence:
     votes
         The fuzzy correspondence matrix; None for a result that was loaded from a file.
     others
-        Makes the :attr:`alternatives`; None for a result that was loaded from a file.
+        Makes the :attr:`alternatives`; None for a result that was loaded from a file without them.
     spread
         Makes the map that :meth:`dense` gives; None for a result that was loaded from a file.
     """
@@ -134,6 +135,18 @@ class Correspondence:
             )
         return self.spread()
 
+    def show(self, dense: SurfaceMap | None = None) -> View:
+        """The matches on both shapes to turn and to look through, in a notebook; see :func:`mobius_match.viewer.page`.
+
+        Parameters
+        ----------
+        dense
+            The dense map, to see it too.
+        """
+        from .viewer import View, page
+
+        return View(page(self, dense=dense))
+
     def to_dict(self, *, alternatives: bool = False) -> dict[str, Any]:
         """The result as JSON-able values, in the layout of the result file; with the alternatives if asked for."""
         content = {
@@ -185,10 +198,7 @@ class Correspondence:
         try:
             rows = content["correspondences"]
             return cls(
-                pairs=np.array([(row["source"], row["target"]) for row in rows], np.int64).reshape(-1, 2),
-                confidence=np.array([row["confidence"] for row in rows], np.float64),
-                kind=np.array([row["kind"] for row in rows], dtype="<U9"),
-                target_points=_points(rows),
+                **_matches(rows),
                 source_info=dict(content["source"]),
                 target_info=dict(content["target"]),
                 settings=dict(content["settings"]),
@@ -196,6 +206,7 @@ class Correspondence:
                 software=dict(content["software"]),
                 diagnostics=dict(content.get("diagnostics", {})),
                 warnings=tuple(content.get("warnings", ())),
+                others=partial(tuple, [_alternative(one) for one in content.get("alternatives", ())]),
             )
         except (KeyError, TypeError, ValueError, OverflowError) as error:
             raise FormatError(f"{path}: the result file is damaged ({error!r}); make it again") from error
@@ -214,6 +225,20 @@ def _rows(matches: Correspondence | Alternative) -> list[dict[str, Any]]:
         for row, value in zip(rows, values, strict=True):
             row["target_point"] = dict(zip(POINT_FIELDS, value, strict=True))
     return rows
+
+
+def _matches(rows: list[dict[str, Any]]) -> dict[str, Any]:
+    return {
+        "pairs": np.array([(row["source"], row["target"]) for row in rows], np.int64).reshape(-1, 2),
+        "confidence": np.array([row["confidence"] for row in rows], np.float64),
+        "kind": np.array([row["kind"] for row in rows], dtype="<U9"),
+        "target_points": _points(rows),
+    }
+
+
+def _alternative(content: dict[str, Any]) -> Alternative:
+    margin, share = float(content["margin"]), float(content["share"])
+    return Alternative(**_matches(content["correspondences"]), margin=margin, share=share)
 
 
 def _points(rows: list[dict[str, Any]]) -> SurfacePoints | None:

@@ -71,14 +71,14 @@ def draw_matches(
     width, height = size
     pairs, confidence = result.pairs[:most], np.clip(np.nan_to_num(result.confidence[:most]), 0, 1)
     sides = [
-        _shape(_mesh(surface, info), vertices)
+        shape_of(mesh_of(surface, info), vertices)
         for surface, info, vertices in (
             (result.source, result.source_info, pairs[:, 0]),
             (result.target, result.target_info, pairs[:, 1]),
         )
     ]
-    colours = _colours(sides[0].vertices[sides[0].matched])
-    azimuth = _best_azimuth(sides)
+    colours = colours_of(sides[0].vertices[sides[0].matched])
+    azimuth = best_azimuth(sides)
     shapes = [side.turned(azimuth, ELEVATION) for side in sides]
     # Both at one scale (equal areas look equal), unless that would make one of them tiny.
     top = round(0.07 * height) if title else 0
@@ -127,7 +127,7 @@ def draw_shapes(
     area = np.linalg.norm(cross_products(placed[0], faces), axis=1).sum() / 2
     placed = placed / max(np.sqrt(area), 1e-3)
     nothing = np.empty(0, np.int64)
-    azimuth = _best_azimuth([_solid(one, faces, nothing) for one in placed[[0, len(placed) // 2, -1]]])
+    azimuth = best_azimuth([_solid(one, faces, nothing) for one in placed[[0, len(placed) // 2, -1]]])
     # Turned together, so that the middle of the picture is the middle of all.
     turned = Shape(placed.reshape(-1, 3), faces, placed.reshape(-1, 3), nothing).turned(azimuth, ELEVATION).vertices
     scale = float((0.94 * np.array(size) / np.ptp(turned[:, :2], axis=0)).min())
@@ -151,7 +151,7 @@ def _check(path: Any, most: int, size: tuple[int, int]) -> None:
         raise SettingsError(f"size is {size!r}; it must be width and height, {SMALLEST} to {LARGEST} pixels each")
 
 
-def _mesh(surface: Any, info: dict[str, Any]) -> Mesh:
+def mesh_of(surface: Any, info: dict[str, Any]) -> Mesh:
     """The repaired mesh of one side, read again where the result comes from a file."""
     if surface is not None:
         return surface.whole_mesh
@@ -163,14 +163,20 @@ def _mesh(surface: Any, info: dict[str, Any]) -> Mesh:
     return repair(mesh)
 
 
-def _shape(mesh: Mesh, numbers: np.ndarray) -> Shape:
-    """The mesh at area 1 with y upward, and where in it the user's vertex numbers are."""
+def numbered(mesh: Mesh, numbers: np.ndarray) -> np.ndarray:
+    """Which vertices of a repaired mesh have the user's numbers; of those that share a number, the first."""
     order = np.argsort(mesh.vertex_ids, kind="stable")
     place = np.searchsorted(mesh.vertex_ids[order], numbers).clip(max=len(order) - 1)
     matched = order[place]
     wrong = numbers[mesh.vertex_ids[matched] != numbers]
     if len(wrong):
         raise MeshError(f"{mesh.name}: has no vertex {wrong[0]}, which the result names; match again, then draw")
+    return matched
+
+
+def shape_of(mesh: Mesh, numbers: np.ndarray) -> Shape:
+    """The mesh at area 1 with y upward, and where in it the user's vertex numbers are."""
+    matched = numbered(mesh, numbers)
     vertices = unit_box(mesh.vertices)
     if _up(mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)) == 2:
         vertices = vertices[:, [0, 2, 1]] * [1, 1, -1]
@@ -194,7 +200,7 @@ def _up(low: np.ndarray, high: np.ndarray) -> int:
     return 3 - thinnest  # seen from the front: people are taller than they are thick
 
 
-def _best_azimuth(sides: list[Shape]) -> float:
+def best_azimuth(sides: list[Shape]) -> float:
     """The direction from which most matches can be seen on both surfaces, and much of the surfaces."""
     n = 160
     scores = []
@@ -213,7 +219,7 @@ def _best_azimuth(sides: list[Shape]) -> float:
     return float(AZIMUTHS[np.argmax(total)])
 
 
-def _colours(points: np.ndarray) -> np.ndarray:
+def colours_of(points: np.ndarray) -> np.ndarray:
     """A colour (Q, 3) for each point (Q, 3): hue by the longest axis, lightness by the others.
 
     From blue by red to yellow, an order that the common colour blindnesses keep, and far from grey everywhere.

@@ -19,7 +19,7 @@ main()
 """
 
 
-COMMANDS = ("match", "info", "demo", "bench", "symmetry", "transfer", "morph", "prepare", "cache")
+COMMANDS = ("match", "view", "info", "demo", "bench", "symmetry", "transfer", "morph", "prepare", "cache")
 
 
 @pytest.mark.parametrize("arguments", [["--help"], ["--version"], *([name, "--help"] for name in COMMANDS)])

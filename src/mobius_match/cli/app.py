@@ -17,6 +17,7 @@ from .morph import morph
 from .prepare import prepare
 from .symmetry import symmetry
 from .transfer import transfer
+from .view import view
 
 app = typer.Typer(
     name="mobius",
@@ -47,5 +48,5 @@ def mobius(
     """
 
 
-for command in (match, info, demo, bench, symmetry, transfer, morph, prepare, cache):
+for command in (match, view, info, demo, bench, symmetry, transfer, morph, prepare, cache):
     app.command()(guarded(command))

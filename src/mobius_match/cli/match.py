@@ -47,6 +47,10 @@ def match(
         ),
     ] = None,
     picture: Annotated[Path | None, Option(metavar="FILE.png", help="Draw the matches on both surfaces.")] = None,
+    html: Annotated[
+        Path | None,
+        Option(metavar="FILE.html", help="Write a page that shows both shapes and their matches, and --dense too."),
+    ] = None,
     json: Annotated[bool, Option("--json", help="Print the result as JSON instead of a table.")] = False,
     samples: Annotated[int | None, Option(metavar="N", help="Sample points on each surface.  [default: 100]")] = None,
     votes: Annotated[
@@ -134,7 +138,8 @@ def match(
     }
     given = {name: value for name, value in options.items() if value is not None}
     settings = merge(read_config(config) if config else {}, given)
-    _check(settings, {"--output": output, "--dense": dense, "--picture": picture}, (source, target))
+    outputs = {"--output": output, "--dense": dense, "--picture": picture, "--html": html}
+    _check(settings, outputs, (source, target))
 
     with Reporter(quiet, verbose) as reporter:
         result = run_match(source, target, reporter, settings, cache=not no_cache)
@@ -143,6 +148,11 @@ def match(
             reporter.notes([f"picture written to {picture}"])
         if dense is not None:
             reporter.notes([write_map(result, dense)])
+        if html is not None:
+            from ..viewer import page
+
+            write(html, page(result, dense=None if dense is None else result.dense()).encode())
+            reporter.notes([f"page written to {html}"])
         if output is not None and output != STDOUT:
             write(output, to_json(result.to_dict(alternatives=alternatives)))
             reporter.notes([f"{len(result)} correspondences written to {output}"])
@@ -211,8 +221,9 @@ def _check(settings: dict[str, Any], outputs: dict[str, Path | None], inputs: tu
     for option, path in outputs.items():
         if path is None:
             continue
-        if option == "--picture" and path.suffix.lower() != ".png":
-            raise SettingsError(f"--picture: {path} is not a .png file; name it so.")
+        ending = {"--picture": ".png", "--html": ".html"}.get(option, "")
+        if ending and path.suffix.lower() != ending:
+            raise SettingsError(f"{option}: {path} is not a {ending} file; name it so.")
         check_output(option, path, inputs)
         other = seen.setdefault(path.resolve(), option)
         if other != option:

@@ -1,0 +1,74 @@
+"""Small results to look at, and a browser."""
+
+import numpy as np
+import pytest
+
+from mobius_match.correspondence import Alternative, Correspondence
+from mobius_match.dense import SurfaceMap
+from mobius_match.geometry.points import SurfacePoints
+from mobius_match.mesh import as_mesh, repair
+from mobius_match.viewer import page
+from tests import shapes
+from tests.viewer.chromium import Chromium, find
+from tests.viewer.pages import Prepared, info
+
+
+@pytest.fixture(scope="session")
+def mesh():
+    return repair(as_mesh(shapes.lump()))
+
+
+@pytest.fixture(scope="session")
+def result(mesh):
+    """A lump matched to itself: 24 matches, each third recovered; the other explanation has 5, and runs askew."""
+    numbers = np.arange(0, len(mesh.vertices), len(mesh.vertices) // 24)[:24]
+    pairs = np.stack([numbers, numbers], axis=1)
+    kind = np.where(np.arange(24) % 3 == 2, "recovered", "voted")
+    confidence = np.linspace(1, 0.54, 24)
+    other = Alternative(np.c_[numbers[:5], numbers[5:10]], confidence[:5], kind[:5], margin=0.125, share=0.25)
+    return Correspondence(
+        pairs=pairs,
+        confidence=confidence,
+        kind=kind,
+        source_info=info(mesh, "shapes/one.off"),
+        target_info=info(mesh, "shapes/two.off"),
+        settings={},
+        warnings=("two.off: a <b>note</b>",),
+        source=Prepared(mesh),
+        target=Prepared(mesh),
+        others=lambda: (other,),
+    )
+
+
+@pytest.fixture(scope="session")
+def dense(mesh):
+    """Every vertex to itself, but for the 30 first of the target, which correspond to nothing."""
+    n = len(mesh.vertices)
+    corner = np.unique(mesh.faces.ravel(), return_index=True)[1]
+    points = SurfacePoints(corner // 3, mesh.faces[corner // 3], np.eye(3)[corner % 3])
+    return SurfaceMap(mesh, mesh, points, points, np.full(n, True), np.arange(n) >= 30)
+
+
+@pytest.fixture(scope="session")
+def browser(tmp_path_factory):
+    if find() is None:
+        pytest.skip("no Chromium was found; install it to test the page in a browser")
+    started = Chromium(tmp_path_factory.mktemp("chromium"))
+    yield started
+    started.close()
+
+
+@pytest.fixture(scope="session")
+def file(result, dense, tmp_path_factory):
+    path = tmp_path_factory.mktemp("page") / "page.html"
+    path.write_text(page(result, dense=dense), encoding="utf-8")
+    return path
+
+
+@pytest.fixture
+def opened(browser, file):
+    """The page, freshly loaded; nothing may complain nor go to the network by the end of the test."""
+    browser.open(file)
+    yield browser
+    assert browser.complaints() == []
+    assert [url for url in browser.requests() if not url.startswith(("data:", "blob:"))] == []

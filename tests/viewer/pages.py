@@ -1,0 +1,71 @@
+"""What the tests of the page share: results to show, and what is on the screen."""
+
+import io
+import re
+
+import numpy as np
+from matplotlib.image import imread
+
+STATUS = "document.getElementById('status').textContent"
+ROWS = (
+    "[...document.querySelectorAll('tbody tr')].filter((row) => !row.hidden).map((row) => row.innerText.split('\\t'))"
+)
+
+
+class Prepared:
+    """As much of a prepared surface as a page needs."""
+
+    def __init__(self, mesh):
+        self.mesh = self.whole_mesh = mesh
+        self.detail = None
+
+
+def info(mesh, path=None):
+    return {"path": path, "sha256": mesh.sha256, "vertices": mesh.n_file_vertices, "faces": mesh.n_file_faces}
+
+
+def picture(browser):
+    """The screen as (h, w, 3) numbers from 0 to 1."""
+    return imread(io.BytesIO(browser.screenshot()))[:, :, :3]
+
+
+def halves(browser):
+    """The two parts of the stage that hold the shapes, without the names above."""
+    box = browser.run("(({x, y, width, height}) => [x, y, width, height])(view.getBoundingClientRect())")
+    x, y, width, height = np.round(box).astype(int)
+    stage = picture(browser)[y : y + height, x : x + width]
+    parts = np.array_split(stage, 2, axis=browser.run("+(document.querySelectorAll('.name')[1].offsetTop < 20)"))
+    height, width = np.min([part.shape[:2] for part in parts], axis=0)
+    return [part[40:height, :width] for part in parts]
+
+
+def saturated(half):
+    return half.max(axis=2) - half.min(axis=2) > 0.25
+
+
+def choose(browser, name, value):
+    browser.run(f"{name}.value = {value}; {name}.dispatchEvent(new Event('change'))")
+    browser.settle()
+
+
+def take(browser, number):
+    """Choose a match in the table."""
+    browser.run(f"document.querySelectorAll('tbody button')[{number - 1}].click()")
+    browser.settle()
+
+
+def slide(browser, value):
+    browser.run(f"least.value = {value}; least.dispatchEvent(new Event('input'))")
+    browser.settle()
+
+
+def ends(browser):
+    """Where the two ends of the chosen match are on the screen, as its labels tell."""
+    found = browser.run(
+        "[...document.querySelectorAll('.end')].map((label) => [label.style.transform, label.textContent])"
+    )
+    corner = browser.run("(({x, y}) => [x, y])(view.getBoundingClientRect())")
+    return [
+        (np.array(re.findall(r"-?[\d.]+(?=px)", transform), float) + corner + [-14, 26], text)
+        for transform, text in found
+    ]

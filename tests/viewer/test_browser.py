@@ -1,0 +1,264 @@
+"""The page in a real browser: what is drawn, and what its controls do."""
+
+from __future__ import annotations
+
+import csv
+import json
+import re
+import time
+from dataclasses import replace
+from html import unescape
+
+import numpy as np
+from matplotlib.image import imread
+
+from mobius_match import Correspondence
+from mobius_match.viewer import page
+from tests.viewer.pages import ROWS, STATUS, Prepared, choose, ends, halves, info, picture, saturated, slide, take
+
+
+def test_both_shapes_are_drawn_alike(opened):
+    one, other = halves(opened)
+    surface = (np.ptp(one, axis=2) < 0.05) & (one.max(axis=2) < 0.97)
+    assert surface.mean() > 0.05
+    assert saturated(one).mean() > 0.01
+    # A shape matched to itself: the same picture twice, but for the edges of pixels.
+    assert (np.abs(one - other).max(axis=2) > 0.1).mean() < 0.01
+
+
+def test_both_turn_together(opened):
+    before = halves(opened)
+    x, y = 300, 300
+    opened.mouse("mousePressed", x, y, "left", 1)
+    opened.call("Input.dispatchMouseEvent", type="mouseMoved", x=x + 120, y=y + 30, button="left", buttons=1)
+    opened.mouse("mouseReleased", x + 120, y + 30, "left", 1)
+    opened.settle()
+    one, other = halves(opened)
+    assert (np.abs(one - before[0]).max(axis=2) > 0.1).mean() > 0.02
+    assert (np.abs(one - other).max(axis=2) > 0.1).mean() < 0.01
+    assert opened.run(STATUS) == "No match chosen"
+    opened.run("reset.click()")
+    opened.settle()
+    assert (np.abs(halves(opened)[0] - before[0]).max(axis=2) > 0.1).mean() < 0.001
+
+
+def test_the_table_lists_the_matches(opened, result):
+    rows = opened.run(ROWS)
+    assert [[int(cell) for cell in row[:3]] for row in rows] == [
+        [number, *pair] for number, pair in enumerate(result.pairs.tolist(), start=1)
+    ]
+    assert [row[3] for row in rows] == [f"{value:.3f}" for value in result.confidence]
+    assert [row[4] for row in rows] == result.kind.tolist()
+    assert opened.run("notes.innerText + notes.querySelector('li').textContent").endswith("two.off: a <b>note</b>")
+
+
+def test_the_slider_leaves_out_what_is_less_certain(opened, result):
+    before = saturated(halves(opened)[0]).sum()
+    slide(opened, 0.9)
+    kept = int((result.confidence >= 0.9).sum())
+    assert len(opened.run(ROWS)) == kept < 24
+    assert opened.run("count.textContent") == f"{kept} of 24 matches"
+    assert 0 < saturated(halves(opened)[0]).sum() < 0.6 * before
+
+
+def test_keys_step_through_the_matches(opened, result):
+    seen = []
+    for _ in range(3):
+        opened.key("ArrowRight")
+        seen.append([text for _, text in ends(opened)])
+    assert seen == [[str(i), str(j)] for i, j in result.pairs[:3].tolist()]
+    assert opened.run(STATUS) == "Match 3"
+    facts = opened.run("facts.innerText")
+    assert all(str(part) in facts for part in ("one.off", "two.off", result.pairs[2, 0], "0.960", "recovered"))
+    opened.key("ArrowLeft")
+    assert opened.run(STATUS) == "Match 2"
+    opened.key("Escape")
+    assert opened.run(STATUS) == "No match chosen"
+    slide(opened, 0.9)
+    opened.key("ArrowLeft")  # the last of those that are shown
+    assert opened.run(STATUS) == f"Match {(result.confidence >= 0.9).sum()}"
+
+
+def test_a_click_and_a_hover_choose_what_is_in_front(opened):
+    hit, hidden = [], []
+    for number in range(1, 9):
+        take(opened, number)
+        (place, _), (mirrored, _) = ends(opened)
+        opened.click(20, 580)
+        opened.mouse("mouseMoved", *place)
+        hovered = opened.run(STATUS)
+        opened.click(*mirrored)
+        assert opened.run(STATUS) == hovered  # on both sides the same is in front
+        (hit if hovered == f"Match {number}" else hidden).append(number)
+    assert len(hit) >= 3
+    assert hidden  # what is behind the surface is not chosen
+    opened.click(20, 580)
+    assert opened.run(STATUS) == "No match chosen"
+
+
+def test_lines_join_both_ends_on_demand(opened):
+    pixels = "lines.getContext('2d').getImageData(0, 0, lines.width, lines.height).data"
+    drawn = f"{pixels}.filter((value, i) => i % 4 == 3 && value).length"
+    assert opened.run(drawn) == 0
+    opened.key("ArrowRight")
+    one = opened.run(drawn)
+    opened.run("document.getElementById('all-lines').click()")
+    opened.settle()
+    assert 0 < 5 * one < opened.run(drawn)
+
+
+def test_recovered_matches_have_another_shape(opened, file, result, tmp_path):
+    before = halves(opened)[0]
+    path = tmp_path / "voted.html"
+    path.write_text(page(replace(result, kind=np.full(24, "voted"))), encoding="utf-8")
+    opened.open(path)
+    assert (np.abs(halves(opened)[0] - before).max(axis=2) > 0.1).mean() > 0.001
+    assert "recovered" in opened.run("legend.innerText")
+
+
+def test_other_explanations_can_be_looked_at(opened, result):
+    before = halves(opened)[1]
+    choose(opened, "explanation", 1)
+    (other,) = result.alternatives
+    assert [[int(cell) for cell in row[1:3]] for row in opened.run(ROWS)] == other.pairs.tolist()
+    assert opened.run("explained.textContent") == "Lost by 0.12; 25% of the best triplets spoke for it."
+    assert (np.abs(halves(opened)[1] - before).max(axis=2) > 0.1).mean() > 0.005
+    choose(opened, "explanation", 0)
+    assert len(opened.run(ROWS)) == 24
+
+
+def test_surfaces_take_colours_and_squares(opened):
+    seen = []
+    for k in range(1, 5):
+        choose(opened, "colouring", k)
+        one, other = halves(opened)
+        seen.append(one)
+        # The identity: alike but for the 30 vertices that correspond to nothing.
+        assert (np.abs(one - other).max(axis=2) > 0.15).mean() < 0.1
+        assert opened.run("scale.hidden") == (k < 3)
+    places, squares = seen[:2]
+    assert saturated(places).mean() > 0.1
+    darker = places.max(axis=2) - squares.max(axis=2) > 0.1
+    assert 0.3 < darker.sum() / saturated(places).sum() < 0.7
+    choose(opened, "colouring", 0)
+    assert np.ptp(halves(opened)[0], axis=2).mean() < np.ptp(places, axis=2).mean()
+
+
+def downloaded(browser, folder, button):
+    session, browser.session = browser.session, None
+    browser.call("Browser.setDownloadBehavior", behavior="allow", downloadPath=str(folder))
+    browser.session = session
+    browser.run(f"document.getElementById('{button}').click()")
+    end = time.monotonic() + 30
+    while not (found := [path for path in folder.iterdir() if path.suffix in (".json", ".csv", ".png")]):
+        assert time.monotonic() < end
+        time.sleep(0.02)
+    return found[0]
+
+
+def test_download_of_the_result(opened, tmp_path, result):
+    path = downloaded(opened, tmp_path, "json")
+    loaded = Correspondence.load(path)
+    assert loaded.to_dict(alternatives=True) == json.loads(json.dumps(result.to_dict(alternatives=True)))
+
+
+def test_download_of_the_table(opened, tmp_path, result):
+    rows = list(csv.reader(downloaded(opened, tmp_path, "csv").read_text().splitlines()))
+    assert rows[0] == ["source", "target", "confidence", "kind"]
+    assert [[int(i), int(j)] for i, j, *_ in rows[1:]] == result.pairs.tolist()
+    assert [float(row[2]) for row in rows[1:]] == result.confidence.tolist()
+    assert [row[3] for row in rows[1:]] == result.kind.tolist()
+
+
+def test_download_of_a_picture(opened, tmp_path):
+    drawn = imread(downloaded(opened, tmp_path, "picture"))
+    assert drawn.shape[:2] == tuple(opened.run("[view.height, view.width]"))
+    assert (drawn[:, :, 3] == 1).all()
+    assert saturated(drawn[:, :, :3]).mean() > 0.01
+
+
+def test_dark_where_the_system_is_and_by_the_switch(browser, file):
+    browser.open(file, dark=True)
+    assert halves(browser)[0][-1, 0].max() < 0.2
+    browser.run("theme.click()")
+    browser.settle()
+    assert halves(browser)[0][-1, 0].min() > 0.9
+    assert browser.complaints() == []
+
+
+def test_a_phone_shows_all_of_it_and_a_tap_chooses(browser, file):
+    browser.open(file, 390, 844, phone=True)
+    assert browser.run("document.documentElement.scrollWidth") <= 390
+    assert browser.run(
+        "[...document.querySelectorAll('header button, aside button, select')].filter((b) => b.offsetParent && "
+        "!b.closest('td')).every((b) => b.getBoundingClientRect().right <= 390 && b.offsetHeight >= 40)"
+    )
+    tapped = 0
+    for number in range(1, 6):
+        take(browser, number)
+        (x, y), _ = ends(browser)[0]
+        browser.run("document.dispatchEvent(new KeyboardEvent('keydown', {key: 'Escape'}))")
+        browser.call("Input.dispatchTouchEvent", type="touchStart", touchPoints=[{"x": x, "y": y}])
+        browser.call("Input.dispatchTouchEvent", type="touchEnd", touchPoints=[])
+        tapped += browser.run(STATUS) == f"Match {number}"
+    assert tapped >= 2
+    assert browser.complaints() == []
+
+
+def test_names_and_notes_of_files_stay_text(browser, tmp_path, mesh, result):
+    script = "<script>window.hit = 1</script>"
+    name = '<img src=x onerror="window.hit=1"><svg onload=window.hit=1>&lt;b&gt;\u2028\'"`${window.hit=1}.off'
+    hostile = replace(
+        result,
+        source_info=info(mesh, name),
+        target_info={**info(mesh, "<script>alert(1)<\\script>"), "more": "</script>" + script + "<!--<script>"},
+        warnings=(script, "]]>--></script>" + script),
+        kind=np.array(["voted", script] * 12),
+        source=Prepared(mesh),
+        target=Prepared(mesh),
+    )
+    path = tmp_path / "hostile.html"
+    for text in (page(hostile), unescape(re.search(r'srcdoc="([^"]*)"', hostile.show()._repr_html_())[1])):
+        path.write_text(text, encoding="utf-8")
+        browser.open(path)
+        browser.key("ArrowRight")
+        browser.key("ArrowRight")
+        assert browser.run("window.hit") is None
+        assert browser.run("document.querySelectorAll('script').length") == 3
+        assert browser.run("document.querySelectorAll('img, svg').length") == 0
+        assert browser.run("document.querySelector('h1').textContent").startswith(name)
+        assert browser.run("document.querySelector('#notes li').textContent") == script
+        assert script in browser.run("facts.innerText")
+        assert browser.complaints() == []
+        assert [url for url in browser.requests() if not url.startswith("data:")] == []
+
+
+def test_without_webgl_the_table_is_left(browser, file, result):
+    cut = browser.call(
+        "Page.addScriptToEvaluateOnNewDocument", source="HTMLCanvasElement.prototype.getContext = () => null"
+    )
+    try:
+        browser.open(file)
+        assert "WebGL" in browser.run("failure.innerText")
+        assert len(browser.run(ROWS)) == 24
+        browser.key("ArrowRight")
+        assert browser.run(STATUS) == "Match 1"
+    finally:
+        browser.call("Page.removeScriptToEvaluateOnNewDocument", identifier=cut["identifier"])
+
+
+def test_in_a_notebook(browser, tmp_path, result):
+    """In its frame, where it may not touch what is around."""
+    path = tmp_path / "notebook.html"
+    path.write_text(f"<!doctype html><table><tbody></tbody></table>{result.show()._repr_html_()}", encoding="utf-8")
+    browser.open(path)
+    end = time.monotonic() + 30
+    while saturated(picture(browser)).mean() < 0.005:
+        assert time.monotonic() < end
+        time.sleep(0.1)
+    assert browser.complaints() == []
+
+
+def test_no_name_is_used_twice(opened):
+    names = opened.run("[...document.querySelectorAll('[id]')].map((element) => element.id)")
+    assert len(names) == len(set(names)) > 20

@@ -1,0 +1,215 @@
+// The page: builds it, and ties its controls to the view. Names and numbers of files go in as text only.
+import page from "./page.html";
+import style from "./style.css";
+import { css, csv, read } from "./data.js";
+import { View } from "./scene.js";
+
+const data = read(document);
+document.head.appendChild(document.createElement("style")).textContent = style;
+document.body.insertAdjacentHTML("afterbegin", page);
+const $ = (id) => document.getElementById(id);
+const all = (selector) => [...document.querySelectorAll(selector)];
+
+const names = data.sides.map((side) => side.name);
+const state = { explanation: data.explanations[0], least: 0, chosen: null, hovered: null };
+const dark = matchMedia("(prefers-color-scheme: dark)");
+let view = null;
+
+function shown() {
+  return state.explanation.matches.filter((match) => match.certain >= state.least);
+}
+
+function theme(name) {
+  document.documentElement.dataset.theme = name;
+  $("theme").textContent = name === "dark" ? "Light" : "Dark";
+  view?.theme();
+}
+
+function update() {
+  const matches = shown();
+  if (state.chosen && !matches.includes(state.chosen)) state.chosen = null;
+  const current = state.chosen ?? state.hovered;
+  $("least-value").textContent = state.least.toFixed(2);
+  $("count").textContent = `${matches.length} of ${state.explanation.matches.length} matches`;
+  $("status").textContent = current
+    ? `Match ${current.number + 1}` : matches.length ? "No match chosen" : "No match is so certain";
+  const facts = current ? [
+    [names[0], `vertex ${current.source}`], [names[1], `vertex ${current.target}`],
+    ["confidence", current.confidence.toFixed(3)], ["kind", current.kind],
+  ] : [];
+  $("hint").hidden = current !== null;
+  $("facts").replaceChildren(...facts.flatMap(([name, value]) => [element("dt", name), element("dd", value)]));
+  all("tbody tr").forEach((row, i) => {
+    row.hidden = state.explanation.matches[i].certain < state.least;
+    if (state.explanation.matches[i] === state.chosen) row.setAttribute("aria-current", "true");
+    else row.removeAttribute("aria-current");
+  });
+  if (view) view.show(state.explanation, $("spheres").checked ? matches : matches.filter((m) => m === current), current);
+}
+
+function element(name, text) {
+  const made = document.createElement(name);
+  made.textContent = text;
+  return made;
+}
+
+function choose(match) {
+  state.chosen = match;
+  state.hovered = null;
+  update();
+}
+
+function step(by) {
+  const matches = shown();
+  if (!matches.length) return;
+  const at = matches.indexOf(state.chosen);
+  choose(matches[at < 0 ? (by > 0 ? 0 : matches.length - 1) : (at + by + matches.length) % matches.length]);
+}
+
+function explain(k) {
+  state.explanation = data.explanations[k];
+  state.chosen = state.hovered = null;
+  $("explained").textContent = state.explanation.note;
+  document.querySelector("tbody").replaceChildren(...state.explanation.matches.map((match) => {
+    const row = document.createElement("tr");
+    const button = document.createElement("button");
+    const spot = document.createElement("i");
+    spot.style.background = css(state.explanation.colours, match.number);
+    button.type = "button";
+    button.append(spot, String(match.number + 1));
+    button.addEventListener("click", () => choose(match));
+    row.append(element("td", ""), ...[match.source, match.target, match.confidence.toFixed(3), match.kind].map(
+      (value) => element("td", value)));
+    row.firstChild.append(button);
+    return row;
+  }));
+  update();
+}
+
+function paint(k) {
+  const colouring = data.colourings[k - 1] ?? null;
+  $("coloured").textContent = colouring?.note ?? "";
+  $("scale").hidden = !colouring?.scale;
+  if (colouring?.scale) {
+    const [low, bar, high] = $("scale").children;
+    low.textContent = colouring.scale.low;
+    high.textContent = colouring.scale.high;
+    bar.style.background = `linear-gradient(to right, ${colouring.scale.colours.join(", ")})`;
+  }
+  $("spheres").checked = colouring === null; // they would hide the colours
+  view?.paint(colouring);
+  update();
+}
+
+function download(name, blob) {
+  const link = document.createElement("a");
+  link.href = URL.createObjectURL(blob);
+  link.download = name;
+  link.click();
+  setTimeout(() => URL.revokeObjectURL(link.href), 60000);
+}
+
+function select(id, rows, changed) {
+  if (rows.length < 2) return;
+  all(`.${id}`).forEach((part) => (part.hidden = false));
+  $(id).append(...rows.map((row, k) => new Option(row, k)));
+  $(id).addEventListener("change", () => changed(Number($(id).value)));
+}
+
+function follow() {
+  all(".end").forEach((label, s) => {
+    const current = view.chosen;
+    label.hidden = !current;
+    if (!current) return;
+    label.textContent = s ? current.target : current.source;
+    const { x, y } = view.project(s, current);
+    const [left, top, width, height] = view.boxes()[s];
+    const right = Math.min(Math.max(x + 14, left), left + width - label.offsetWidth - 4);
+    label.style.transform = `translate(${right}px, ${Math.min(Math.max(y - 26, top), top + height - 22)}px)`;
+  });
+  all(".name").forEach((name, s) => {
+    const [x, y, width] = view.boxes()[s];
+    name.lastChild.hidden = width < 380;
+    Object.assign(name.style, { left: `${x}px`, top: `${y + 8}px`, maxWidth: `${width}px` });
+  });
+}
+
+function pointing() {
+  let down = null;
+  const place = (event) => {
+    const box = $("view").getBoundingClientRect();
+    return [event.clientX - box.left, event.clientY - box.top, event.pointerType === "touch" ? 22 : 8];
+  };
+  $("view").addEventListener("pointerdown", (event) => (down = [event.clientX, event.clientY]));
+  $("view").addEventListener("pointerup", (event) => {
+    if (down && Math.hypot(event.clientX - down[0], event.clientY - down[1]) < 5) choose(view.pick(...place(event)));
+    down = null;
+  });
+  $("view").addEventListener("pointermove", (event) => {
+    if (event.buttons || event.pointerType === "touch") return;
+    const match = view.pick(...place(event));
+    $("view").classList.toggle("over", match !== null);
+    if (match !== state.hovered) {
+      state.hovered = match;
+      if (!state.chosen) update();
+    }
+  });
+  $("view").addEventListener("pointerleave", () => {
+    state.hovered = null;
+    if (!state.chosen) update();
+  });
+}
+
+document.querySelector("h1").textContent = names.join(" \u2194 ");
+all(".name").forEach((name, s) => {
+  const { vertices, simplified } = data.sides[s];
+  name.textContent = `${s ? "Target" : "Source"}: ${names[s]}`;
+  name.append(element("span", `, ${vertices.toLocaleString("en")} vertices${simplified ? ", drawn with fewer" : ""}`));
+});
+try {
+  view = new View($("view"), $("lines"), data);
+  view.onDraw = follow;
+  pointing();
+} catch (error) {
+  $("failure").hidden = false;
+  $("failure").textContent = "This browser cannot draw the shapes (WebGL 2 is needed). The table lists the matches.";
+  console.warn(error);
+}
+$("least").min = Math.floor(100 * Math.min(1, ...data.explanations.flatMap((one) => one.matches.map((m) => m.certain)))) / 100;
+$("least").value = $("least").min;
+state.least = Number($("least").value);
+$("least").addEventListener("input", () => {
+  state.least = Number($("least").value);
+  update();
+});
+select("explanation", data.explanations.map((one) => one.name), explain);
+select("colouring", ["Plain", ...data.colourings.map((one) => one.name)], paint);
+$("spheres").addEventListener("change", update);
+$("all-lines").addEventListener("change", () => {
+  if (view) view.allLines = $("all-lines").checked;
+  update();
+});
+$("previous").addEventListener("click", () => step(-1));
+$("next").addEventListener("click", () => step(1));
+$("reset").addEventListener("click", () => view?.reset());
+$("theme").addEventListener("click", () => theme(document.documentElement.dataset.theme === "dark" ? "light" : "dark"));
+$("picture").addEventListener("click", () => view?.picture(names, (blob) => download("matches.png", blob)));
+$("json").addEventListener("click", () => download("matches.json", new Blob([data.text], { type: "application/json" })));
+$("csv").addEventListener("click", () =>
+  download("matches.csv", new Blob([csv(state.explanation.matches)], { type: "text/csv" })));
+document.addEventListener("keydown", (event) => {
+  if (event.ctrlKey || event.altKey || event.metaKey) return;
+  if (event.key === "Escape") choose(null);
+  if (event.target instanceof Element && event.target.matches("select, input[type=range]")) return;
+  if (event.key === "ArrowRight" || event.key === "ArrowLeft") {
+    event.preventDefault();
+    step(event.key === "ArrowRight" ? 1 : -1);
+  }
+});
+dark.addEventListener("change", () => theme(dark.matches ? "dark" : "light"));
+if (innerWidth <= 760) $("list").open = false;
+$("notes").hidden = !data.result.warnings.length;
+$("notes").querySelector("ul").append(...data.result.warnings.map((line) => element("li", line)));
+theme(dark.matches ? "dark" : "light");
+explain(0);
+paint(0);

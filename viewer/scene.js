@@ -1,0 +1,285 @@
+// Both shapes with their spheres, side by side or one above the other, seen by one camera.
+import {
+  AmbientLight, BufferAttribute, BufferGeometry, Color, DirectionalLight, DoubleSide, InstancedMesh, Matrix4, Mesh,
+  MeshBasicMaterial, MeshLambertMaterial, MeshPhongMaterial, OctahedronGeometry, OrthographicCamera, Quaternion,
+  Raycaster, RingGeometry, Scene, SphereGeometry, SRGBColorSpace, Vector2, Vector3, WebGLRenderer,
+} from "three";
+import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
+
+const MARGIN = 1.12;
+const SQUARES = 9; // along the longest side of the source
+
+export class View {
+  constructor(canvas, lines, data) {
+    this.canvas = canvas;
+    this.lines = lines;
+    this.data = data;
+    this.renderer = new WebGLRenderer({ canvas, antialias: true, alpha: true });
+    this.renderer.setClearColor(0, 0);
+    this.camera = new OrthographicCamera(-1, 1, 1, -1, 0.1, 20);
+    this.camera.add(lamp(-0.6, 0.9, 1, 1.9), lamp(0.8, -0.4, 0.6, 0.5));
+    this.controls = new OrbitControls(this.camera, canvas);
+    this.controls.minZoom = 0.5;
+    this.controls.maxZoom = 40;
+    this.extent = [1, 1]; // half the width and height of what the first view shows
+    this.controls.addEventListener("change", () => this.redraw());
+    this.sides = data.sides.map((side) => this.#side(side));
+    this.allLines = false;
+    this.onDraw = () => {};
+    new ResizeObserver(() => this.resize()).observe(canvas);
+    this.reset();
+  }
+
+  #side(data) {
+    const geometry = new BufferGeometry();
+    geometry.setAttribute("position", new BufferAttribute(data.positions, 3));
+    geometry.setIndex(new BufferAttribute(data.triangles, 1));
+    if (data.origins) geometry.setAttribute("origin", new BufferAttribute(data.origins, 4));
+    geometry.computeVertexNormals();
+    geometry.computeBoundingSphere();
+    const material = new MeshLambertMaterial({ side: DoubleSide });
+    const squares = { value: 0 };
+    if (data.origins) {
+      material.onBeforeCompile = (shader) => {
+        shader.uniforms.squares = squares;
+        shader.vertexShader = "attribute vec4 origin; varying vec4 vOrigin;\n" +
+          shader.vertexShader.replace("#include <begin_vertex>", "#include <begin_vertex>\nvOrigin = origin;");
+        shader.fragmentShader = "uniform float squares; varying vec4 vOrigin;\n" +
+          shader.fragmentShader.replace("#include <color_fragment>", `#include <color_fragment>
+            if (squares > 0.0 && vOrigin.w > 0.999) {
+              vec3 cell = floor(vOrigin.xyz * squares);
+              if (mod(cell.x + cell.y + cell.z, 2.0) > 0.5) diffuseColor.rgb *= 0.45;
+            }`);
+      };
+    }
+    const scene = new Scene();
+    const surface = new Mesh(geometry, material);
+    const halo = new Mesh(new RingGeometry(1.35, 1.75, 48), new MeshBasicMaterial({ depthTest: false }));
+    halo.renderOrder = 3;
+    halo.visible = false;
+    scene.add(surface, halo, new AmbientLight(0xffffff, 0.95));
+    return { scene, surface, halo, squares, marks: [], points: null };
+  }
+
+  // Show these matches; `chosen` is one of them or null.
+  show(explanation, matches, chosen) {
+    const same = this.explanation === explanation;
+    this.explanation = explanation;
+    this.matches = matches;
+    this.chosen = chosen;
+    const kinds = [matches.filter((m) => m.kind === "voted"), matches.filter((m) => m.kind !== "voted")];
+    this.sides.forEach((side, s) => {
+      if (!same) side.points = explanation.points[s];
+      for (const mark of side.marks) {
+        side.scene.remove(mark);
+        mark.dispose();
+      }
+      side.marks = kinds.map((kind, k) => this.#marks(side, kind, k)).filter(Boolean);
+      for (const mark of side.marks) side.scene.add(mark);
+      side.halo.visible = chosen !== null;
+      if (chosen !== null) {
+        side.halo.position.copy(this.point(s, chosen));
+        side.halo.scale.setScalar(this.size(chosen));
+      }
+    });
+    this.redraw();
+  }
+
+  #marks(side, matches, k) {
+    if (!matches.length) return null;
+    const marks = new InstancedMesh(SHAPES[k], MARK[k], matches.length);
+    const at = new Vector3(), turn = new Quaternion(), size = new Vector3(), matrix = new Matrix4();
+    const colour = new Color();
+    matches.forEach((match, i) => {
+      at.fromArray(side.points, 3 * match.number);
+      marks.setMatrixAt(i, matrix.compose(at, turn, size.setScalar(this.size(match))));
+      const rgb = this.explanation.colours.subarray(3 * match.number, 3 * match.number + 3);
+      marks.setColorAt(i, colour.setRGB(rgb[0] / 255, rgb[1] / 255, rgb[2] / 255, SRGBColorSpace));
+    });
+    marks.frustumCulled = false;
+    return marks;
+  }
+
+  // Paint the surfaces: null for plain, else one of the colourings.
+  paint(colouring) {
+    this.colouring = colouring;
+    this.sides.forEach((side, s) => {
+      const { geometry, material } = side.surface;
+      if (colouring) {
+        const linear = new Float32Array(colouring.colours[s].length);
+        const colour = new Color();
+        for (let i = 0; i < linear.length; i += 3) {
+          const [r, g, b] = colouring.colours[s].subarray(i, i + 3);
+          colour.setRGB(r / 255, g / 255, b / 255, SRGBColorSpace).toArray(linear, i);
+        }
+        geometry.setAttribute("color", new BufferAttribute(linear, 3));
+      } else geometry.deleteAttribute("color");
+      side.squares.value = colouring?.checker ? SQUARES : 0;
+      material.vertexColors = Boolean(colouring);
+      material.needsUpdate = true;
+    });
+    this.theme();
+  }
+
+  theme() {
+    const style = getComputedStyle(document.documentElement);
+    for (const side of this.sides) {
+      side.surface.material.color.set(this.colouring ? "#fff" : style.getPropertyValue("--surface").trim());
+      side.halo.material.color.set(style.getPropertyValue("--ink").trim());
+    }
+    this.redraw();
+  }
+
+  size(match) {
+    return this.data.radius * (0.4 + 0.6 * match.certain);
+  }
+
+  point(s, match) {
+    return new Vector3().fromArray(this.sides[s].points, 3 * match.number);
+  }
+
+  // The halves of the canvas, side by side or one above the other, whichever shows more: [left, top, width, height]
+  // in CSS pixels.
+  boxes() {
+    const { clientWidth: w, clientHeight: h } = this.canvas;
+    const scale = (width, height) => Math.min(width / this.extent[0], height / this.extent[1]);
+    return scale(w / 2, h) * 1.1 >= scale(w, h / 2)
+      ? [[0, 0, w / 2, h], [w / 2, 0, w / 2, h]] : [[0, 0, w, h / 2], [0, h / 2, w, h / 2]];
+  }
+
+  reset() {
+    const { azimuth: a, elevation: e } = this.data;
+    this.controls.target.set(0, 0, 0);
+    this.camera.position.set(Math.sin(a) * Math.cos(e), Math.sin(e), Math.cos(a) * Math.cos(e)).multiplyScalar(8);
+    this.camera.zoom = 1;
+    this.camera.lookAt(0, 0, 0);
+    this.camera.updateMatrixWorld();
+    const inverse = this.camera.matrixWorldInverse.copy(this.camera.matrixWorld).invert();
+    const at = new Vector3();
+    this.extent = [1e-3, 1e-3];
+    for (const { positions } of this.data.sides) {
+      for (let i = 0; i < positions.length; i += 3) {
+        at.fromArray(positions, i).applyMatrix4(inverse);
+        this.extent = [Math.max(this.extent[0], Math.abs(at.x)), Math.max(this.extent[1], Math.abs(at.y))];
+      }
+    }
+    this.controls.update();
+    this.resize();
+  }
+
+  resize() {
+    const { clientWidth: w, clientHeight: h } = this.canvas;
+    if (!w || !h) return;
+    const ratio = Math.min(window.devicePixelRatio, 2);
+    this.renderer.setPixelRatio(ratio);
+    this.renderer.setSize(w, h, false);
+    this.lines.width = w * ratio;
+    this.lines.height = h * ratio;
+    const [, , width, height] = this.boxes()[0];
+    const half = MARGIN * Math.max(this.extent[1], (this.extent[0] * height) / width);
+    Object.assign(this.camera, { top: half, bottom: -half, right: (half * width) / height, left: (-half * width) / height });
+    this.camera.updateProjectionMatrix();
+    this.redraw();
+  }
+
+  redraw() {
+    this.frame ??= requestAnimationFrame(() => this.draw());
+  }
+
+  draw() {
+    if (this.frame) cancelAnimationFrame(this.frame);
+    this.frame = null;
+    const { renderer, camera } = this;
+    const h = this.canvas.clientHeight;
+    renderer.setScissorTest(true);
+    this.boxes().forEach(([x, y, w, tall], s) => {
+      renderer.setViewport(x, h - y - tall, w, tall);
+      renderer.setScissor(x, h - y - tall, w, tall);
+      const side = this.sides[s];
+      side.halo.quaternion.copy(camera.quaternion);
+      side.scene.add(camera);
+      renderer.render(side.scene, camera);
+    });
+    this.#drawLines();
+    this.onDraw();
+  }
+
+  // Where a match is on the canvas, in CSS pixels; z is its depth.
+  project(s, match) {
+    const [x, y, w, h] = this.boxes()[s];
+    const at = this.point(s, match).project(this.camera);
+    return { x: x + ((at.x + 1) / 2) * w, y: y + ((1 - at.y) / 2) * h, z: at.z };
+  }
+
+  #drawLines() {
+    const context = this.lines.getContext("2d");
+    const ratio = this.lines.width / this.canvas.clientWidth;
+    context.setTransform(ratio, 0, 0, ratio, 0, 0);
+    context.clearRect(0, 0, this.canvas.clientWidth, this.canvas.clientHeight);
+    const shown = this.allLines ? this.matches : this.matches.filter((match) => match === this.chosen);
+    for (const match of shown) {
+      const [from, to] = [0, 1].map((s) => this.project(s, match));
+      const rgb = this.explanation.colours.subarray(3 * match.number, 3 * match.number + 3);
+      context.strokeStyle = `rgb(${rgb.join(",")})`;
+      context.globalAlpha = match === this.chosen ? 1 : 0.55;
+      context.lineWidth = match === this.chosen ? 2.5 : 1;
+      context.beginPath();
+      context.moveTo(from.x, from.y);
+      context.lineTo(to.x, to.y);
+      context.stroke();
+    }
+  }
+
+  // The match at a place of the canvas that no surface hides, or null.
+  pick(x, y, reach) {
+    const s = this.boxes().findIndex(([left, top, w, h]) => x >= left && x < left + w && y >= top && y < top + h);
+    if (s < 0 || !this.sides[s].marks.length) return null;
+    const [, , , tall] = this.boxes()[s];
+    const pixels = (tall * this.camera.zoom) / (2 * this.camera.top);
+    return this.matches
+      .map((match) => ({ match, at: this.project(s, match), radius: this.size(match) * pixels }))
+      .map((one) => ({ ...one, apart: Math.hypot(one.at.x - x, one.at.y - y) }))
+      .filter((one) => one.apart <= Math.max(one.radius, reach))
+      .sort((one, other) => one.apart - other.apart)
+      .find((one) => !this.#hidden(s, one.match))?.match ?? null;
+  }
+
+  #hidden(s, match) {
+    const at = this.point(s, match);
+    const projected = at.clone().project(this.camera);
+    const ray = new Raycaster();
+    ray.setFromCamera(new Vector2(projected.x, projected.y), this.camera);
+    const first = ray.intersectObject(this.sides[s].surface)[0];
+    return first !== undefined && first.distance < ray.ray.origin.distanceTo(at) - 1.1 * this.size(match);
+  }
+
+  // The canvas with the lines and the names, as a PNG.
+  picture(names, then) {
+    this.draw();
+    const { width, height } = this.canvas;
+    const sheet = new OffscreenCanvas(width, height);
+    const context = sheet.getContext("2d");
+    const style = getComputedStyle(document.documentElement);
+    context.fillStyle = style.getPropertyValue("--paper");
+    context.fillRect(0, 0, width, height);
+    context.drawImage(this.canvas, 0, 0);
+    context.drawImage(this.lines, 0, 0);
+    const ratio = width / this.canvas.clientWidth;
+    context.fillStyle = style.getPropertyValue("--soft");
+    context.font = `${14 * ratio}px system-ui, sans-serif`;
+    this.boxes().forEach(([x, y], s) => context.fillText(names[s], (x + 12) * ratio, (y + 22) * ratio));
+    sheet.convertToBlob({ type: "image/png" }).then(then);
+  }
+}
+
+const SHAPES = [new SphereGeometry(1, 24, 16), new OctahedronGeometry(1.25)];
+const MARK = [
+  new MeshPhongMaterial({ specular: 0x444444, shininess: 60 }),
+  new MeshPhongMaterial({ specular: 0x222222, flatShading: true }),
+];
+
+function lamp(x, y, z, strength) {
+  const light = new DirectionalLight(0xffffff, strength);
+  light.position.set(x, y, z);
+  return light;
+}
