@@ -124,7 +124,7 @@ export class View {
   theme() {
     const style = getComputedStyle(document.documentElement);
     for (const side of this.sides) {
-      side.surface.material.color.set(this.colouring ? "#fff" : style.getPropertyValue("--surface").trim());
+      side.surface.material.color.set(this.colouring ? "#e4e4e4" : style.getPropertyValue("--surface").trim());
       side.halo.material.color.set(style.getPropertyValue("--ink").trim());
     }
     this.redraw();
