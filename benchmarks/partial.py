@@ -69,12 +69,13 @@ Three figures a task: how many **matches** are reported; the share of them that 
 diameter of the whole target (geodesic, heat method); and how many are on the **missing** part: their true place on the
 shape that was cut is farther than 5 % of its diameter from what was kept. There should be none of these.
 For matches to a part, the true place and the error are those on the shape that it was cut from. In the last line of a
-table matches and right are means over the tasks that have matches, missing is the sum. "No match" is an error that says
-that the part was not found.
+table matches and right are means over the tasks that have matches, missing is the sum.
 
-Both files need the same units: a part in another scale than the whole is not found, or in a wrong place. Some people of
-`faust` are a fifth taller than others, which is scale enough. No match is reported within 3.5 % of sqrt(area) of the
-cut, where a small slip already leads beyond it.
+Both files need about the same units: where no good place is found, the part is looked for once more, a fifth smaller
+and a fifth larger (some people of `faust` are that much larger in another pose), but not in metres if it is in
+millimetres; then, as wherever a part is not found, the two are matched as wholes, which is mostly wrong, and a warning
+says so.
+No match is reported within 3.5 % of sqrt(area) of the cut, where a small slip already leads beyond it.
 """
 
 CHOSEN = """

@@ -13,8 +13,9 @@ from .geometry.geodesics import nearest_centres
 from .geometry.points import SurfacePoints, closest_points
 from .geometry.spectral import nearest_rows
 from .hypotheses import group_triplets, rank_correlation
+from .mesh.measure import cross_products
 from .mesh.topology import boundary_edges
-from .registration import ROUNDS, Registration, looks, register
+from .registration import ROUNDS, Registration, looks, register, vertex_normals
 from .surface import Surface
 from .voting.agreement import agreement, as_far
 from .voting.proposals import guided_triplets
@@ -31,12 +32,15 @@ APPEARANCE = 0.1
 COARSE = ((2000, (25, 200)), (300, (100, 400)))
 """How many triplets are kept in each round, by points of the part and of the whole; the last are grouped."""
 
-RADIUS, GROUPS, PROMISING = 0.1, 20, 0.8
+RADIUS, GROUPS, PROMISING = 0.1, 40, 0.8
 """Mean distance of two triplets' places within a group, how many groups, and the least worth of the best triplet of
 each, as a part of that of the best of all."""
 
 SKETCHED, REFINED, CLOSE = 12, 2, 1.5
 """How many groups are bent in haste, how many of these are refined, and up to which multiple of the least badness."""
+
+AROUND, TURNS = 24, 8
+"""Among how many points next to each the others of its triangles are, and how many of these tell how it is turned."""
 
 LANDMARKS = 50
 CAP = 0.15
@@ -67,25 +71,27 @@ ON_PART, ASTRAY = 0.02, 0.1
 class Pair:
     """A part and the whole in common units, with what is measured on both.
 
+    The area of the part is that of its whole, in the part's own units: all lengths are per sqrt(area).
     In all that follows a landmark is a sample of the part together with the sample of the whole next to its image.
     """
 
     def __init__(self, part: Surface, whole: Surface) -> None:
         self.part, self.whole = part, whole
-        self.scale = np.sqrt(whole.area)
+        self.scale1, self.scale2 = np.sqrt(part.area), np.sqrt(whole.area)
         self.distances1, self.distances2 = (
-            (surface.proxy_distances / self.scale).astype(np.float32) for surface in (part, whole)
+            (surface.proxy_distances / np.sqrt(surface.area)).astype(np.float32) for surface in (part, whole)
         )
         self.samples1, self.samples2 = (np.searchsorted(surface.proxy, surface.samples) for surface in (part, whole))
         mine, theirs = (
-            curvatures((one.vertices - one.vertices.mean(axis=0)) / self.scale, one.faces, RADII)
-            for one in (part.mesh, whole.mesh)
+            curvatures((one.mesh.vertices - one.mesh.vertices.mean(axis=0)) / np.sqrt(one.area), one.mesh.faces, RADII)
+            for one in (part, whole)
         )
         spread = np.maximum(theirs[whole.proxy].std(axis=0), 1e-9)
         self.curvatures1, self.curvatures2 = mine[part.proxy] / spread, theirs / spread
         each = zip(self.curvatures1.T, self.curvatures2[whole.proxy].T, strict=True)
         unlike = sum(np.abs(mine[:, None] - theirs) for mine, theirs in each)
         self.costs = (APPEARANCE * np.minimum(unlike / self.curvatures1.shape[1], 3.0)).astype(np.float32)
+        self._triangles = self._wide_triangles()
         # Along the surface: in space a hand may be next to a thigh.
         self._home = nearest_centres(whole.mesh.vertices, whole.mesh.faces, whole.proxy)
 
@@ -111,7 +117,7 @@ class Pair:
         """Maps of the part's proxy to the whole's (P1,) that the best triplets stand for, best first."""
         costs = self.costs[np.ix_(self.samples1, self.samples2)]
         alike = costs <= np.quantile(costs, ALIKE)
-        lengths = self.part.distances / self.scale, self.whole.distances / self.scale
+        lengths = self.part.normalized_distances, self.whole.normalized_distances
         if not len(guided_triplets(generator, 50, *lengths, alike, SPREAD, TOLERANCE)[0]):
             return []
         first, second = guided_triplets(generator, TRIPLETS, *lengths, alike, SPREAD, TOLERANCE)
@@ -132,7 +138,25 @@ class Pair:
         groups = group_triplets(pairs, self.whole.normalized_distances, totals, RADIUS, GROUPS)
         good = [group for group in groups if totals[group[0]] >= PROMISING * totals[0]]
         images = list(pool.map(lambda group: self._agreed(pairs[group], totals[group]), good))
-        return sorted(images, key=self._unlikeness)[:SKETCHED]
+        kept = [image for image in images if self.orientation(image) > 0] or images
+        return sorted(kept, key=self._unlikeness)[:SKETCHED]
+
+    def _wide_triangles(self) -> tuple[np.ndarray, np.ndarray]:
+        """Triangles (t, 3) of points of the part's proxy that are next to each other, and which way they look (t,)."""
+        vertices = self.part.mesh.vertices[self.part.proxy]
+        near = scipy.spatial.cKDTree(vertices).query(vertices, min(AROUND + 1, len(vertices)))[1]
+        first = np.repeat(np.arange(len(near)), TURNS)
+        generator = np.random.default_rng(0)
+        others = generator.integers(near.shape[1] // 3, near.shape[1], (2, len(first)))
+        triangles = np.stack([first, near[first, others[0]], near[first, others[1]]], axis=1)
+        looking = _looking(self.part, self.part.proxy[triangles])
+        clear = np.abs(looking) > np.median(np.abs(looking))
+        return triangles[clear], np.sign(looking[clear])
+
+    def orientation(self, image: np.ndarray) -> float:
+        """How many triangles keep their orientation under a map of the proxies (P1,): 1 all of them, -1 none."""
+        triangles, looking = self._triangles
+        return float((np.sign(_looking(self.whole, self.whole.proxy[image[triangles]])) * looking).mean())
 
     def _unlikeness(self, image: np.ndarray) -> float:
         """How much distances and curvatures differ under a map of the part's proxy to the whole's (P1,)."""
@@ -198,7 +222,7 @@ class Pair:
             "cut": scipy.spatial.cKDTree(vertices[boundary_edges(self.part.mesh.faces).ravel()]).query(
                 vertices[self.part.proxy]
             )[0]
-            / self.scale,
+            / self.scale1,
         }
 
     def chances(self, found: Registration) -> np.ndarray:
@@ -211,21 +235,27 @@ class Pair:
         """Points of the whole for the part's samples, and the chance of each."""
         mesh, here = self.whole.mesh, self.samples1
         points = closest_points(
-            mesh.vertices / self.scale, mesh.faces, found.positions[here] / self.scale, found.image[here]
+            mesh.vertices / self.scale2, mesh.faces, found.positions[here] / self.scale2, found.image[here]
         )
         return points, self.chances(found)[here]
 
     def places_on_part(self, found: Registration) -> tuple[SurfacePoints, np.ndarray]:
         """Points of the part for the whole's samples, and the chance of each; 0 for those that are off the part."""
         mesh = self.part.mesh
-        there, rest = (looks(one.mesh.vertices / self.scale, one.mesh.faces) for one in (self.whole, self.part))
-        bent = np.hstack([found.positions / self.scale, there[found.image, 3:]])
+        there, rest = (looks(one.mesh.vertices / np.sqrt(one.area), one.mesh.faces) for one in (self.whole, self.part))
+        bent = np.hstack([found.positions / self.scale2, there[found.image, 3:]])
         queries = there[self.whole.samples]
         places = interpolated(bent, queries, rest[self.part.proxy].T).T
-        points = closest_points(mesh.vertices / self.scale, mesh.faces, places[:, :3], nearest_rows(places, rest))
+        points = closest_points(mesh.vertices / self.scale1, mesh.faces, places[:, :3], nearest_rows(places, rest))
         node = scipy.spatial.cKDTree(bent).query(queries)[1]
         middles = bent[self.part.proxy_edges].mean(axis=1)
         apart = scipy.spatial.cKDTree(np.concatenate([bent, middles])).query(queries)[0]
         # Along the surface too: what is missing may touch the part.
         astray = self.distances2[np.arange(len(node)), self._home[found.image[node]]]
         return points, np.where((apart <= ON_PART) & (astray <= ASTRAY), self.chances(found)[node], 0.0)
+
+
+def _looking(surface: Surface, triangles: np.ndarray) -> np.ndarray:
+    """How far triangles (t, 3) of vertices look the way of the normal at their first one, times twice their area."""
+    vertices, faces = surface.mesh.vertices, surface.mesh.faces
+    return np.einsum("ij,ij->i", cross_products(vertices, triangles), vertex_normals(vertices, faces)[triangles[:, 0]])

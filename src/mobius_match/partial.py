@@ -24,6 +24,12 @@ from .surface import Surface
 LARGEST = 0.97
 """Part of the other surface's area above which a surface is taken for a whole, though it has a boundary."""
 
+SCALES = (1.0, 1 / 1.2, 1.2)
+"""Sizes of the part that are tried, the second and third where the first leads to no good place."""
+
+GOOD, BETTER = 0.6, 0.8
+"""Badness of a good place, and how much less, as a factor, that at another size has to be."""
+
 OPEN = 0.15
 """Least length of the boundary of a part, per sqrt(area) of the whole."""
 
@@ -52,10 +58,12 @@ class PartPlaces:
 def part_places(source: Surface, target: Surface, seed: int, jobs: int | None = None) -> tuple[PartPlaces | None, str]:
     """Where the source's samples lie on the target, if one of the two is a part of the other.
 
+    The part may be up to a third larger or smaller than the units of the files say, not more.
+
     Parameters
     ----------
     source, target
-        The surfaces, in the same units.
+        The surfaces, in about the same units.
     seed
         Of the triplets.
     jobs
@@ -67,21 +75,28 @@ def part_places(source: Surface, target: Surface, seed: int, jobs: int | None = 
         None if neither is a part of the other.
     note
         What a user should know of it, empty where neither looks like a part.
-
     """
     if not is_part(source, target) and not is_part(target, source):
         return None, ""
     part, whole = (source, target) if source.area < target.area else (target, source)
-    pair = Pair(replace(part, area=whole.area), whole)
+    places, least, size = None, np.inf, 1.0
     with ThreadPoolExecutor(jobs or os.cpu_count() or 1) as pool:
-        found = pair.located(np.random.default_rng(seed), pool)
+        for scale in SCALES:
+            if part.area * scale**2 > LARGEST * whole.area:
+                continue
+            pair = Pair(replace(part, area=whole.area / scale**2), whole)
+            found = pair.located(np.random.default_rng(seed), pool)
+            if found is not None and pair.badness(found) < BETTER * least:
+                least, size = pair.badness(found), scale
+                points, chances = pair.places_on_whole(found) if part is source else pair.places_on_part(found)
+                places = PartPlaces(points, chances, pair.part, whole, found, part is source)
+            if least <= GOOD:
+                break
     share = f"{part.mesh.name} has a long boundary, and {part.area / whole.area:.0%} of the area of {whole.mesh.name}"
-    if found is None:
+    if places is None:
         return None, f"{share}, but was not found on it in the units of the files; it was matched as a whole"
-    points, chances = pair.places_on_whole(found) if part is source else pair.places_on_part(found)
-    return PartPlaces(
-        points, chances, pair.part, whole, found, part is source
-    ), f"{share}; it was matched as a part of it, in the units of the files"
+    units = "in the units of the files" if size == 1 else f"at {size:.2f} times its size"
+    return places, f"{share}; it was matched as a part of it, {units}"
 
 
 def is_part(surface: Surface, other: Surface) -> bool:
