@@ -156,3 +156,11 @@ def test_as_far_is_the_formula():
     costs = generator.random((7, 9), np.float32)
     apart = np.minimum(np.abs(first[:, :, None] - second[:, None]), 0.4).sum(axis=0)
     np.testing.assert_array_equal(as_far(first, second, 0.4, 2.0, costs), (2 * apart + costs).argmin(axis=1))
+
+
+def test_a_copy_in_other_units_is_the_whole():
+    vertices, faces = bent(grid(20, 17))
+    result = mm.match((vertices, faces), (3 * vertices + 1, faces), seed=0)
+    np.testing.assert_array_equal(result.pairs[:, 0], result.pairs[:, 1])
+    np.testing.assert_array_equal(result.dense().vertices, np.arange(len(vertices)))
+    assert not any("part of it" in line for line in result.warnings)

@@ -31,6 +31,9 @@ VOTES_THRESHOLD = 0.1
 CHANCE_THRESHOLD = 0.5
 """Confidence, as a chance of being right, below which a match under an explanation is left out."""
 
+ALIKE = 1.0
+"""Badness of an explanation below which two surfaces are the same as wholes, and neither a part of the other."""
+
 CLOSE = 0.3
 """Difference of two explanations' badness below which the choice between them is called close."""
 
@@ -106,7 +109,10 @@ def match(
         # The paper's own voting knows whole surfaces only.
         guided = chosen.proposal == "guided"
         places, note = part_places(first, second, chosen.seed, chosen.jobs) if guided else (None, "")
-        found = [] if places else contested(first, second, explanations(first, second, votes))
+        seen = explanations(first, second, votes)
+        if places and seen and seen[0].badness < ALIKE:
+            places, note = None, ""
+        found = [] if places else contested(first, second, seen)
         timings["explanations"] = time.perf_counter() - begin
         begin = time.perf_counter()
         if places:
