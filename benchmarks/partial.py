@@ -91,6 +91,10 @@ FRESH = """
 {count} pairs drawn at random from those not above (seed {seed}), the first shape of each cut in half by a plane through
 the mean of its vertices in a direction drawn at random.
 
+No number in the program was fitted to these, but what went wrong with some led to the search for other sizes and to the
+test of orientation. Where nearly nothing is right, the part was taken for another that looks like it, such as the other
+side.
+
 """
 
 TABLE = """| shape | what is left | of the area | other pose | {tasks} |
