@@ -24,6 +24,17 @@ def info(mesh, path=None):
     return {"path": path, "sha256": mesh.sha256, "vertices": mesh.n_file_vertices, "faces": mesh.n_file_faces}
 
 
+def write_ply(path, mesh, colours):
+    """A PLY file of text with colours from 0 to 255."""
+    head = ["ply", "format ascii 1.0", f"element vertex {len(mesh.vertices)}"]
+    head += [f"property double {axis}" for axis in "xyz"]
+    head += [f"property uchar {name}" for name in ("red", "green", "blue")]
+    head += [f"element face {len(mesh.faces)}", "property list uchar int vertex_indices", "end_header"]
+    both = np.concatenate([mesh.vertices, colours], axis=1).tolist()
+    rows = [" ".join(map(repr, row[:3])) + " " + " ".join(f"{value:.0f}" for value in row[3:]) for row in both]
+    path.write_text("\n".join([*head, *rows, *(f"3 {a} {b} {c}" for a, b, c in mesh.faces.tolist())]) + "\n")
+
+
 def picture(browser):
     """The screen as (h, w, 3) numbers from 0 to 1."""
     return imread(io.BytesIO(browser.screenshot()))[:, :, :3]
