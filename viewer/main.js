@@ -219,8 +219,10 @@ if (data.morph && view) {
   });
 }
 if (data.insight) {
+  const told = (text) => ($("told").textContent = text || "Point at a dot or at a cell of the matrix to see its pair.");
   const pick = (vertex) => choose(shown().find((match) => match.source === vertex) ?? null);
-  insight = new Insight(all("#insight canvas"), data.insight, (text) => ($("told").textContent = text), pick);
+  insight = new Insight(all("#insight canvas"), data.insight, told, pick);
+  told("");
   $("triplets").textContent = data.insight.triplets.toLocaleString("en");
   $("how").hidden = false;
   $("how").addEventListener("click", () => {

@@ -25,7 +25,7 @@ export class View {
     this.controls.addEventListener("change", () => this.redraw());
     this.sides = data.sides.map((side) => this.#side(side));
     this.allLines = false;
-    this.time = 0;
+    this.time = 0; // of the morph
     this.onDraw = () => {};
     new ResizeObserver(() => this.resize()).observe(canvas);
     this.reset();
@@ -92,7 +92,9 @@ export class View {
 
   // The source on its way to the target, from 0 to 1; `show` then moves the matches too.
   morph(time) {
+    const other = Boolean(time) !== Boolean(this.time);
     this.time = time;
+    if (other) this.#fit();
     this.sides[0].surface.bend(this.#between([this.data.sides[0].positions, ...this.data.morph]));
     this.redraw();
   }
@@ -135,17 +137,22 @@ export class View {
     this.camera.position.set(Math.sin(a) * Math.cos(e), Math.sin(e), Math.cos(a) * Math.cos(e)).multiplyScalar(8);
     this.camera.zoom = 1;
     this.camera.lookAt(0, 0, 0);
-    this.camera.updateMatrixWorld();
-    const inverse = this.camera.matrixWorldInverse.copy(this.camera.matrixWorld).invert();
-    const at = new Vector3();
-    this.extent = [1e-3, 1e-3];
-    for (const { positions } of this.data.sides) {
+    this.controls.update();
+    this.#fit();
+  }
+
+  // How much the first view has to show: both shapes, and those between them while they are seen.
+  #fit() {
+    const { azimuth: a, elevation: e, sides, morph } = this.data;
+    let width = 1e-3, height = 1e-3;
+    for (const positions of [...sides.map((side) => side.positions), ...(this.time ? morph : [])]) {
       for (let i = 0; i < positions.length; i += 3) {
-        at.fromArray(positions, i).applyMatrix4(inverse);
-        this.extent = [Math.max(this.extent[0], Math.abs(at.x)), Math.max(this.extent[1], Math.abs(at.y))];
+        const [x, y, z] = positions.subarray(i, i + 3);
+        width = Math.max(width, Math.abs(Math.cos(a) * x - Math.sin(a) * z));
+        height = Math.max(height, Math.abs(Math.cos(e) * y - Math.sin(e) * (Math.sin(a) * x + Math.cos(a) * z)));
       }
     }
-    this.controls.update();
+    this.extent = [width, height];
     this.resize();
   }
 

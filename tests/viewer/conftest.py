@@ -9,6 +9,7 @@ from PIL import Image
 from mobius_match import match
 from mobius_match.correspondence import Alternative, Correspondence
 from mobius_match.dense import SurfaceMap
+from mobius_match.evaluation import Truth
 from mobius_match.geometry.points import SurfacePoints
 from mobius_match.mesh import as_mesh, repair
 from mobius_match.viewer import page
@@ -58,6 +59,21 @@ def matched():
     """A real match of two small shapes, with its votes."""
     shape = shapes.lump()
     return match(shape, shape, samples=30, votes=4000, seed=0)
+
+
+@pytest.fixture(scope="session")
+def truth(result):
+    """The matches are right, but for the first, whose true place is that of the second; others are not known."""
+    return Truth(result.pairs[:8, 0], result.pairs[[1, *range(1, 8)], 1], landmarks=True)
+
+
+@pytest.fixture(scope="session")
+def everything(result, dense, truth, matched, tmp_path_factory):
+    """A page with all that there is to show; the votes are of another match, on 30 samples."""
+    path = tmp_path_factory.mktemp("everything") / "page.html"
+    shown = replace(result, source=matched.source, target=matched.target, votes=matched.votes)
+    path.write_text(page(shown, dense=dense, truth=truth), encoding="utf-8")
+    return path
 
 
 @pytest.fixture(scope="session")

@@ -2,6 +2,7 @@
 
 import io
 import re
+import time
 
 import numpy as np
 from matplotlib.image import imread
@@ -65,9 +66,14 @@ def take(browser, number):
     browser.settle()
 
 
-def slide(browser, value):
-    browser.run(f"least.value = {value}; least.dispatchEvent(new Event('input'))")
+def move(browser, name, value):
+    """Move a slider."""
+    browser.run(f"{name}.value = {value}; {name}.dispatchEvent(new Event('input'))")
     browser.settle()
+
+
+def slide(browser, value):
+    move(browser, "least", value)
 
 
 def ends(browser):
@@ -80,3 +86,15 @@ def ends(browser):
         (np.array(re.findall(r"-?[\d.]+(?=px)", transform), float) + corner + [-14, 26], text)
         for transform, text in found
     ]
+
+
+def downloaded(browser, folder, button):
+    session, browser.session = browser.session, None
+    browser.call("Browser.setDownloadBehavior", behavior="allow", downloadPath=str(folder))
+    browser.session = session
+    browser.run(f"document.getElementById('{button}').click()")
+    end = time.monotonic() + 30
+    while not (found := [path for path in folder.iterdir() if path.suffix in (".json", ".csv", ".png")]):
+        assert time.monotonic() < end
+        time.sleep(0.02)
+    return found[0]
