@@ -104,7 +104,7 @@ function explain(k) {
     button.type = "button";
     button.append(spot, String(match.number + 1));
     button.addEventListener("click", () => choose(match));
-    const error = match.error === undefined ? [] : [match.error === null ? "" : percent(match.error)];
+    const error = match.error === undefined ? [] : [match.error === null ? "" : (100 * match.error).toFixed(1)];
     row.append(...["", match.source, match.target, match.confidence.toFixed(3), ...error, match.kind].map(
       (value) => element("td", value)));
     row.firstChild.append(button);
