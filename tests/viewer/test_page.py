@@ -11,12 +11,13 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from mobius_match import Correspondence, FormatError, MeshError, SurfaceMap, examples, viewer
+from mobius_match import Correspondence, FormatError, MeshError, SurfaceMap, examples, match, viewer
 from mobius_match.evaluation import Truth, metrics
 from mobius_match.geometry.points import SurfacePoints
 from mobius_match.mesh import as_mesh, repair
 from mobius_match.mobius import CANONICAL_TRIANGLE, cross_ratio
 from mobius_match.viewer import packing, page
+from tests import shapes
 from tests.viewer.pages import Prepared, info, write_ply
 
 
@@ -226,6 +227,17 @@ def test_the_votes_and_the_planes_are_those_of_the_match(matched):
             assert found["paired"].count(j) == 1
             assert np.abs(opened[0][i] - opened[1][j]) < 0.5 or np.abs(opened[0][i]) > 3
     assert sum(j >= 0 for j in found["paired"]) >= 8
+
+
+def test_votes_of_uniform_triplets_and_too_few_of_them():
+    shape = shapes.lump()
+    uniform = match(shape, shape, samples=20, votes=3000, proposal="uniform", seed=0)
+    found = element(page(uniform), "shapes")["insight"]
+    rows, columns = found["triplet"]
+    leading = np.argsort(-uniform.votes.matrix, axis=None)[0]
+    assert [rows[0], columns[0]] == list(np.unravel_index(leading, (20, 20)))
+    few = replace(uniform.votes, matrix=np.diag([1.0, 1.0, *[0.0] * 18]))
+    assert "insight" not in element(page(replace(uniform, votes=few)), "shapes")
 
 
 def test_a_map_of_other_meshes_is_refused(result, dense):

@@ -112,5 +112,7 @@ def _content(result: Correspondence, dense: SurfaceMap | None, truth: Truth | No
     if result.votes is not None and result.source is not None and result.target is not None:
         from .insight import insight
 
-        content["insight"] = insight(result.source, result.target, result.votes, result.pairs)
+        found = insight(result.source, result.target, result.votes, result.pairs)
+        if found is not None:
+            content["insight"] = found
     return content

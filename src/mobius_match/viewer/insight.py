@@ -23,7 +23,7 @@ NEAR = 0.15
 """Distance per root of the area up to which a triplet agrees with a match."""
 
 
-def insight(source: Surface, target: Surface, votes: Votes, pairs: np.ndarray) -> dict[str, Any]:
+def insight(source: Surface, target: Surface, votes: Votes, pairs: np.ndarray) -> dict[str, Any] | None:
     """What the page shows of the voting, as JSON-able values.
 
     Parameters
@@ -37,7 +37,8 @@ def insight(source: Surface, target: Surface, votes: Votes, pairs: np.ndarray) -
 
     Returns
     -------
-    dict
+    dict or None
+        None where no triplet can be shown: too few votes, or samples that coincide in the plane. Else
         ``samples``: the user's numbers of both sides' samples. ``planes``: where they lie in the plane, moved so that
         the ``triplet`` comes to lie on an equilateral triangle, and 1 / (1 + r) times as far out, which shows the
         whole plane in a disc of radius 1. ``paired``: (N1,) target sample of each source sample that is mutually
@@ -52,9 +53,12 @@ def insight(source: Surface, target: Surface, votes: Votes, pairs: np.ndarray) -
         best = _agreeing(explained, target, numbers[0], pairs)
         triplets = [votes.best1[best], votes.best2[best]]
     else:  # uniform triplets are not kept: the three strongest entries of C
-        rows, columns = max_row_column(votes.matrix)[0][:3].T
-        triplets = [rows, columns]
-        explained, best = explained_pairs(*map(homogeneous, positions), rows[None], columns[None]), 0
+        triplets = [side.copy() for side in max_row_column(votes.matrix)[0][:3].T]
+        if len(triplets[0]) < 3:
+            return None
+        explained, best = explained_pairs(*map(homogeneous, positions), *(side[None] for side in triplets)), 0
+    if any(len(np.unique(plane[triplet])) < 3 for plane, triplet in zip(positions, triplets, strict=True)):
+        return None
     planes = [
         _in_disc(apply(from_three_points(plane[triplet], CANONICAL_TRIANGLE), plane))
         for plane, triplet in zip(positions, triplets, strict=True)

@@ -1,4 +1,4 @@
-/* mobius-match viewer; sources 0c989e420f753d97855bbf57ae8e87d8588ed4c031df3a093a398c673067bc18; built 60f81ec63ac151f985466c1ef78ecece0bf204d0b367a41bc629f147f41094ff */
+/* mobius-match viewer; sources 95fdd0bbc6c9c4c274e398c7decc446a87613afef620dafa0811ce5a4f9a2ca3; built 3701c2e3969ce4d9146be4ffe3542147bf27c8d08af2071ea90456288a344076 */
 /* Contains three.js.
 
 The MIT License
@@ -58,8 +58,8 @@ THE SOFTWARE.
         </figure>
         <figure>
           <canvas role="img" aria-label="The votes for each pair of samples"></canvas>
-          <figcaption>Votes of all triplets, the fuzzy matrix C: a row a sample of the source, a column one of the
-            target; the further from the ground, the more votes (root of the share).</figcaption>
+          <figcaption>Votes of all triplets, the fuzzy matrix C: a row for each sample of the source, a column for each
+            of the target. The more a cell stands out, the more votes (by the root of their share).</figcaption>
         </figure>
       </div>
       <p id="told" role="status"></p>
@@ -161,8 +161,9 @@ label { display: block; margin: 4px 0; }
 #insight { position: absolute; inset: 0; overflow: auto; padding: 12px 14px 0; background: var(--paper);
   display: flex; flex-direction: column; }
 #insight p { margin: 0 0 10px; max-width: 80ch; color: var(--soft); }
-#insight div { display: grid; gap: 14px; grid-template-columns: repeat(auto-fit, minmax(min(180px, 100%), 1fr)); }
-#insight figure { margin: 0; max-width: 440px; }
+#insight div { display: grid; gap: 0 18px; grid-template-columns: minmax(0, 270px) minmax(0, 560px); }
+#insight figure { margin: 0; }
+#insight figure:last-child { grid-area: 1 / 2 / 3; }
 #insight canvas { position: static; height: auto; aspect-ratio: 1; cursor: pointer; }
 #insight figcaption { margin: 4px 0 12px; color: var(--soft); }
 #insight #told { position: sticky; bottom: 0; margin: auto -14px 0; padding: 8px 14px; min-height: 38px;
@@ -192,6 +193,7 @@ tr[aria-current] td { background: color-mix(in srgb, var(--mark) 20%, transparen
   .tools button { flex: 1; min-height: 40px; padding: 4px; }
   main { flex-direction: column; }
   #stage { flex: none; height: 62vh; height: 62svh; }
+  #insight div { display: block; }
   aside { width: auto; border-left: 0; border-top: 1px solid var(--edge); }
   button, select, #least, #morph { min-height: 40px; }
 }
