@@ -261,7 +261,7 @@ export class View {
   }
 }
 
-const SHAPES = [new SphereGeometry(1, 24, 16), new OctahedronGeometry(1.25)];
+const SHAPES = [new SphereGeometry(1, 18, 12), new OctahedronGeometry(1.25)];
 const MARK = [
   new MeshPhongMaterial({ specular: 0x444444, shininess: 60 }),
   new MeshPhongMaterial({ specular: 0x222222, flatShading: true }),
