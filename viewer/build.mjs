@@ -1,6 +1,7 @@
-// Bundles the viewer into src/mobius_match/viewer/viewer.js. Run by `make viewer`.
+// Bundles the viewer into src/mobius_match/viewer/viewer.js, and lays axe-core beside the tests, which run without
+// Node. Run by `make viewer`.
 import { createHash } from "node:crypto";
-import { readFileSync, readdirSync, writeFileSync } from "node:fs";
+import { copyFileSync, mkdirSync, readFileSync, readdirSync, writeFileSync } from "node:fs";
 import { dirname, join } from "node:path";
 import { fileURLToPath } from "node:url";
 import { build } from "esbuild";
@@ -30,3 +31,7 @@ const script = bundle.outputFiles[0].text.replace(/<\/(script)/gi, "<\\/$1").rep
 const body = `/* Contains three.js.\n\n${licence.trim()}\n*/\n${script}`;
 const built = createHash("sha256").update(body).digest("hex");
 writeFileSync(out, `/* mobius-match viewer; sources ${digest.digest("hex")}; built ${built} */\n${body}`);
+
+const axe = join(here, "../tests/viewer/axe");
+mkdirSync(axe, { recursive: true });
+for (const name of ["axe.min.js", "LICENSE"]) copyFileSync(join(here, "node_modules/axe-core", name), join(axe, name));

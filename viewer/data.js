@@ -1,4 +1,4 @@
-// What the page holds, as typed arrays; see _content in src/mobius_match/viewer/__init__.py.
+// What the page holds, as typed arrays; see src/mobius_match/viewer.
 
 function bytes(text) {
   const binary = atob(text);
@@ -7,14 +7,21 @@ function bytes(text) {
   return out;
 }
 
-function positions(side) {
-  const codes = new Uint16Array(bytes(side.positions).buffer);
-  return Float32Array.from(codes, (code, i) => side.low[i % 3] + code * side.step[i % 3]);
+const floats = (text) => new Float32Array(bytes(text).buffer);
+const shorts = (text) => new Uint16Array(bytes(text).buffer);
+
+function places({ low, step, codes }) {
+  return Float32Array.from(shorts(codes), (code, i) => low[i % low.length] + code * step[i % low.length]);
+}
+
+function parts(values, number) {
+  const size = values.length / number;
+  return Array.from({ length: number }, (_, k) => values.subarray(k * size, (k + 1) * size));
 }
 
 // Places on the source, as x, y, z and 1; or 0 for a vertex without counterpart.
 function origins(packed) {
-  const codes = new Uint16Array(bytes(packed).buffer);
+  const codes = shorts(packed);
   const out = new Float32Array((codes.length / 3) * 4);
   for (let i = 0; i < codes.length / 3; i++) {
     const known = codes[3 * i] < 65535;
@@ -24,33 +31,73 @@ function origins(packed) {
   return out;
 }
 
+export const GREY = [115, 115, 120]; // has no value
+
+// The colour at a place from 0 to 1 of a scale, as three numbers from 0 to 255.
+export function along(stops, value) {
+  const at = Math.min(Math.max(value, 0), 1) * (stops.length - 1);
+  const k = Math.min(Math.floor(at), stops.length - 2);
+  const channel = (stop, c) => parseInt(stop.slice(1 + 2 * c, 3 + 2 * c), 16);
+  return [0, 1, 2].map((c) => channel(stops[k], c) * (1 - at + k) + channel(stops[k + 1], c) * (at - k));
+}
+
+function shaded(stops, codes) {
+  const table = Array.from({ length: 256 }, (_, code) => (code < 255 ? along(stops, code / 254) : GREY));
+  const out = new Uint8Array(3 * codes.length);
+  codes.forEach((code, i) => out.set(table[code], 3 * i));
+  return out;
+}
+
+function colouring(one, all) {
+  if (one.texture) return one;
+  const source = one.like === undefined ? one : all[one.like];
+  const colours = source.values
+    ? source.values.map((codes) => shaded(source.scale.colours, bytes(codes))) : source.colours.map(bytes);
+  return { ...one, colours };
+}
+
+function explanation(one, rows, page) {
+  const colours = bytes(one.colours);
+  const errors = one.errors ?? null;
+  const wrong = errors && new Uint8Array(errors.flatMap(
+    (error) => (error === null ? GREY : along(page.errors.scale.colours, error / page.errors.worst))));
+  return {
+    ...one,
+    colours,
+    wrong,
+    matches: rows.map((row, i) => ({
+      ...row, number: i, certain: Math.min(Math.max(row.confidence, 0), 1), error: errors ? errors[i] : undefined,
+    })),
+    points: one.points.map(floats),
+    moved: page.morph && parts(floats(one.moved), page.morph.frames - 1),
+  };
+}
+
 export function read(document) {
   const text = document.getElementById("result").textContent;
   const result = JSON.parse(text);
   const page = JSON.parse(document.getElementById("shapes").textContent);
   const rows = [result.correspondences, ...(result.alternatives ?? []).map((one) => one.correspondences)];
   return {
+    ...page,
     text,
     result,
-    azimuth: page.azimuth,
-    elevation: page.elevation,
-    radius: page.radius,
     sides: page.sides.map((side) => {
       const buffer = bytes(side.triangles).buffer;
       return {
         ...side,
-        positions: positions(side),
+        positions: places(side.positions),
         triangles: side.wide ? new Uint32Array(buffer) : new Uint16Array(buffer),
         origins: side.origins && origins(side.origins),
+        uv: side.uv && { places: places(side.uv), known: bytes(side.uv.known) },
       };
     }),
-    explanations: page.explanations.map((one, k) => ({
-      ...one,
-      matches: rows[k].map((row, i) => ({ ...row, number: i, certain: Math.min(Math.max(row.confidence, 0), 1) })),
-      points: one.points.map((points) => new Float32Array(bytes(points).buffer)),
-      colours: bytes(one.colours),
-    })),
-    colourings: page.colourings.map((one) => ({ ...one, colours: one.colours.map(bytes) })),
+    explanations: page.explanations.map((one, k) => explanation(one, rows[k], page)),
+    colourings: page.colourings.map((one) => colouring(one, page.colourings)),
+    morph: page.morph && parts(places(page.morph), page.morph.frames - 1),
+    insight: page.insight && {
+      ...page.insight, planes: page.insight.planes.map(floats), matrix: shorts(page.insight.matrix),
+    },
   };
 }
 
@@ -59,6 +106,9 @@ export function css(colours, i) {
 }
 
 export function csv(matches) {
-  const lines = matches.map((m) => `${m.source},${m.target},${m.confidence},${m.kind === "voted" ? "voted" : "recovered"}`);
-  return ["source,target,confidence,kind", ...lines].join("\n") + "\n";
+  const errors = matches.some((m) => m.error !== undefined);
+  const lines = matches.map((m) => [
+    m.source, m.target, m.confidence, m.kind === "voted" ? "voted" : "recovered", ...(errors ? [m.error ?? ""] : []),
+  ]);
+  return [["source", "target", "confidence", "kind", ...(errors ? ["error"] : [])], ...lines].join("\n") + "\n";
 }

@@ -2,6 +2,7 @@
 import page from "./page.html";
 import style from "./style.css";
 import { css, csv, read } from "./data.js";
+import { Insight } from "./insight.js";
 import { View } from "./scene.js";
 
 const data = read(document);
@@ -11,18 +12,24 @@ const $ = (id) => document.getElementById(id);
 const all = (selector) => [...document.querySelectorAll(selector)];
 
 const names = data.sides.map((side) => side.name);
-const state = { explanation: data.explanations[0], least: 0, chosen: null, hovered: null };
+const state = { explanation: data.explanations[0], least: 0, chosen: null, hovered: null, byError: false };
 const dark = matchMedia("(prefers-color-scheme: dark)");
-let view = null;
+const percent = (part) => `${(100 * part).toFixed(1)} %`;
+let view = null, insight = null;
 
 function shown() {
   return state.explanation.matches.filter((match) => match.certain >= state.least);
+}
+
+function colours() {
+  return state.byError ? state.explanation.wrong : state.explanation.colours;
 }
 
 function theme(name) {
   document.documentElement.dataset.theme = name;
   $("theme").textContent = name === "dark" ? "Light" : "Dark";
   view?.theme();
+  insight?.draw();
 }
 
 function update() {
@@ -36,6 +43,7 @@ function update() {
   const facts = current ? [
     [names[0], `vertex ${current.source}`], [names[1], `vertex ${current.target}`],
     ["confidence", current.confidence.toFixed(3)], ["kind", current.kind],
+    ...(current.error === undefined ? [] : [["error", wrongness(current.error)]]),
   ] : [];
   $("hint").hidden = current !== null;
   $("facts").replaceChildren(...facts.flatMap(([name, value]) => [element("dt", name), element("dd", value)]));
@@ -43,8 +51,22 @@ function update() {
     row.hidden = state.explanation.matches[i].certain < state.least;
     if (state.explanation.matches[i] === state.chosen) row.setAttribute("aria-current", "true");
     else row.removeAttribute("aria-current");
+    row.querySelector("i").style.background = css(colours(), i);
   });
-  if (view) view.show(state.explanation, $("spheres").checked ? matches : matches.filter((m) => m === current), current);
+  const drawn = $("spheres").checked ? matches : matches.filter((match) => match === current);
+  view?.show(state.explanation, drawn, current, colours());
+  insight?.show(matches, current, state.explanation.colours);
+}
+
+function wrongness(error) {
+  return error === null ? "not known" : `${percent(error)} of the diameter`;
+}
+
+function scale(id, shown) {
+  $(id).hidden = !shown;
+  if (!shown) return;
+  $(id).firstChild.style.background = `linear-gradient(to right, ${shown.colours.join(", ")})`;
+  $(id).lastChild.replaceChildren(...shown.labels.map((label) => element("span", label)));
 }
 
 function element(name, text) {
@@ -70,15 +92,20 @@ function explain(k) {
   state.explanation = data.explanations[k];
   state.chosen = state.hovered = null;
   $("explained").textContent = state.explanation.note;
+  const errors = (state.explanation.errors ?? []).filter((error) => error !== null);
+  const mean = errors.reduce((sum, error) => sum + error, 0) / errors.length;
+  const near = errors.filter((error) => error <= 0.05).length / errors.length;
+  $("wrong").textContent = errors.length ? `Mean error ${percent(mean)} of the target's diameter; ${percent(near)} of ` +
+    "the matches within 5 %." : "No error is known.";
   document.querySelector("tbody").replaceChildren(...state.explanation.matches.map((match) => {
     const row = document.createElement("tr");
     const button = document.createElement("button");
     const spot = document.createElement("i");
-    spot.style.background = css(state.explanation.colours, match.number);
     button.type = "button";
     button.append(spot, String(match.number + 1));
     button.addEventListener("click", () => choose(match));
-    row.append(element("td", ""), ...[match.source, match.target, match.confidence.toFixed(3), match.kind].map(
+    const error = match.error === undefined ? [] : [match.error === null ? "" : (100 * match.error).toFixed(1)];
+    row.append(...["", match.source, match.target, match.confidence.toFixed(3), ...error, match.kind].map(
       (value) => element("td", value)));
     row.firstChild.append(button);
     return row;
@@ -89,13 +116,7 @@ function explain(k) {
 function paint(k) {
   const colouring = data.colourings[k - 1] ?? null;
   $("coloured").textContent = colouring?.note ?? "";
-  $("scale").hidden = !colouring?.scale;
-  if (colouring?.scale) {
-    const [low, bar, high] = $("scale").children;
-    low.textContent = colouring.scale.low;
-    high.textContent = colouring.scale.high;
-    bar.style.background = `linear-gradient(to right, ${colouring.scale.colours.join(", ")})`;
-  }
+  scale("scale", colouring?.scale);
   $("spheres").checked = colouring === null; // they would hide the colours
   view?.paint(colouring);
   update();
@@ -184,6 +205,32 @@ $("least").addEventListener("input", () => {
 });
 select("explanation", data.explanations.map((one) => one.name), explain);
 select("colouring", ["Plain", ...data.colourings.map((one) => one.name)], paint);
+select("marked", data.errors ? ["by place", "by error"] : [], (k) => {
+  state.byError = k === 1;
+  scale("marked-scale", state.byError && data.errors.scale);
+  update();
+});
+if (data.morph && view) {
+  $("morphing").hidden = false;
+  $("morph").addEventListener("input", () => {
+    $("morph-value").textContent = `${Math.round(100 * $("morph").value)} %`;
+    view.morph(Number($("morph").value));
+    update();
+  });
+}
+if (data.insight) {
+  const told = (text) => ($("told").textContent = text || "Point at a dot or at a cell of the matrix to see its pair.");
+  const pick = (vertex) => choose(shown().find((match) => match.source === vertex) ?? null);
+  insight = new Insight(all("#insight canvas"), data.insight, told, pick);
+  told("");
+  $("triplets").textContent = data.insight.triplets.toLocaleString("en");
+  $("how").hidden = false;
+  $("how").addEventListener("click", () => {
+    $("insight").hidden = !$("insight").hidden;
+    $("how").setAttribute("aria-pressed", String(!$("insight").hidden));
+    insight.draw();
+  });
+}
 $("spheres").addEventListener("change", update);
 $("all-lines").addEventListener("change", () => {
   if (view) view.allLines = $("all-lines").checked;

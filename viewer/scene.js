@@ -1,13 +1,13 @@
 // Both shapes with their spheres, side by side or one above the other, seen by one camera.
 import {
-  AmbientLight, BufferAttribute, BufferGeometry, Color, DirectionalLight, DoubleSide, InstancedMesh, Matrix4, Mesh,
-  MeshBasicMaterial, MeshLambertMaterial, MeshPhongMaterial, OctahedronGeometry, OrthographicCamera, Quaternion,
-  Raycaster, RingGeometry, Scene, SphereGeometry, SRGBColorSpace, Vector2, Vector3, WebGLRenderer,
+  AmbientLight, Color, DirectionalLight, InstancedMesh, Matrix4, Mesh, MeshBasicMaterial, MeshPhongMaterial,
+  OctahedronGeometry, OrthographicCamera, Quaternion, Raycaster, RingGeometry, Scene, SphereGeometry, SRGBColorSpace,
+  Vector2, Vector3, WebGLRenderer,
 } from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
+import { picture, Surface } from "./surface.js";
 
 const MARGIN = 1.12;
-const SQUARES = 9; // along the longest side of the source
 
 export class View {
   constructor(canvas, lines, data) {
@@ -25,51 +25,32 @@ export class View {
     this.controls.addEventListener("change", () => this.redraw());
     this.sides = data.sides.map((side) => this.#side(side));
     this.allLines = false;
+    this.time = 0; // of the morph
     this.onDraw = () => {};
     new ResizeObserver(() => this.resize()).observe(canvas);
     this.reset();
   }
 
   #side(data) {
-    const geometry = new BufferGeometry();
-    geometry.setAttribute("position", new BufferAttribute(data.positions, 3));
-    geometry.setIndex(new BufferAttribute(data.triangles, 1));
-    if (data.origins) geometry.setAttribute("origin", new BufferAttribute(data.origins, 4));
-    geometry.computeVertexNormals();
-    geometry.computeBoundingSphere();
-    const material = new MeshLambertMaterial({ side: DoubleSide });
-    const squares = { value: 0 };
-    if (data.origins) {
-      material.onBeforeCompile = (shader) => {
-        shader.uniforms.squares = squares;
-        shader.vertexShader = "attribute vec4 origin; varying vec4 vOrigin;\n" +
-          shader.vertexShader.replace("#include <begin_vertex>", "#include <begin_vertex>\nvOrigin = origin;");
-        shader.fragmentShader = "uniform float squares; varying vec4 vOrigin;\n" +
-          shader.fragmentShader.replace("#include <color_fragment>", `#include <color_fragment>
-            if (squares > 0.0 && vOrigin.w > 0.999) {
-              vec3 cell = floor(vOrigin.xyz * squares);
-              if (mod(cell.x + cell.y + cell.z, 2.0) > 0.5) diffuseColor.rgb *= 0.45;
-            }`);
-      };
-    }
     const scene = new Scene();
-    const surface = new Mesh(geometry, material);
+    const surface = new Surface(data);
     const halo = new Mesh(new RingGeometry(1.35, 1.75, 48), new MeshBasicMaterial({ depthTest: false }));
     halo.renderOrder = 3;
     halo.visible = false;
-    scene.add(surface, halo, new AmbientLight(0xffffff, 0.95));
-    return { scene, surface, halo, squares, marks: [], points: null };
+    scene.add(surface.mesh, halo, new AmbientLight(0xffffff, 0.95));
+    return { scene, surface, halo, marks: [], points: null };
   }
 
-  // Show these matches; `chosen` is one of them or null.
-  show(explanation, matches, chosen) {
-    const same = this.explanation === explanation;
+  // Show these matches in their colours; `chosen` is one of them or null.
+  show(explanation, matches, chosen, colours) {
     this.explanation = explanation;
+    this.colours = colours;
     this.matches = matches;
     this.chosen = chosen;
     const kinds = [matches.filter((m) => m.kind === "voted"), matches.filter((m) => m.kind !== "voted")];
     this.sides.forEach((side, s) => {
-      if (!same) side.points = explanation.points[s];
+      side.points = s || !this.time ? explanation.points[s]
+        : this.#between([explanation.points[0], ...explanation.moved]);
       for (const mark of side.marks) {
         side.scene.remove(mark);
         mark.dispose();
@@ -93,7 +74,7 @@ export class View {
     matches.forEach((match, i) => {
       at.fromArray(side.points, 3 * match.number);
       marks.setMatrixAt(i, matrix.compose(at, turn, size.setScalar(this.size(match))));
-      const rgb = this.explanation.colours.subarray(3 * match.number, 3 * match.number + 3);
+      const rgb = this.colours.subarray(3 * match.number, 3 * match.number + 3);
       marks.setColorAt(i, colour.setRGB(rgb[0] / 255, rgb[1] / 255, rgb[2] / 255, SRGBColorSpace));
     });
     marks.frustumCulled = false;
@@ -103,28 +84,31 @@ export class View {
   // Paint the surfaces: null for plain, else one of the colourings.
   paint(colouring) {
     this.colouring = colouring;
-    this.sides.forEach((side, s) => {
-      const { geometry, material } = side.surface;
-      if (colouring) {
-        const linear = new Float32Array(colouring.colours[s].length);
-        const colour = new Color();
-        for (let i = 0; i < linear.length; i += 3) {
-          const [r, g, b] = colouring.colours[s].subarray(i, i + 3);
-          colour.setRGB(r / 255, g / 255, b / 255, SRGBColorSpace).toArray(linear, i);
-        }
-        geometry.setAttribute("color", new BufferAttribute(linear, 3));
-      } else geometry.deleteAttribute("color");
-      side.squares.value = colouring?.checker ? SQUARES : 0;
-      material.vertexColors = Boolean(colouring);
-      material.needsUpdate = true;
-    });
+    if (colouring?.texture) this.texture ??= picture(this.data.texture, () => this.redraw());
+    this.sides.forEach(({ surface }, s) =>
+      surface.paint(colouring?.colours?.[s], colouring?.checker, colouring?.texture && this.texture));
     this.theme();
+  }
+
+  // The source on its way to the target, from 0 to 1; `show` then moves the matches too.
+  morph(time) {
+    const other = Boolean(time) !== Boolean(this.time);
+    this.time = time;
+    if (other) this.#fit();
+    this.sides[0].surface.bend(this.#between([this.data.sides[0].positions, ...this.data.morph]));
+    this.redraw();
+  }
+
+  #between(frames) {
+    const at = this.time * (frames.length - 1);
+    const k = Math.min(Math.floor(at), frames.length - 2);
+    return frames[k].map((value, i) => value + (at - k) * (frames[k + 1][i] - value));
   }
 
   theme() {
     const style = getComputedStyle(document.documentElement);
     for (const side of this.sides) {
-      side.surface.material.color.set(this.colouring ? "#e4e4e4" : style.getPropertyValue("--surface").trim());
+      side.surface.mesh.material.color.set(this.colouring ? "#e4e4e4" : style.getPropertyValue("--surface").trim());
       side.halo.material.color.set(style.getPropertyValue("--ink").trim());
     }
     this.redraw();
@@ -153,17 +137,22 @@ export class View {
     this.camera.position.set(Math.sin(a) * Math.cos(e), Math.sin(e), Math.cos(a) * Math.cos(e)).multiplyScalar(8);
     this.camera.zoom = 1;
     this.camera.lookAt(0, 0, 0);
-    this.camera.updateMatrixWorld();
-    const inverse = this.camera.matrixWorldInverse.copy(this.camera.matrixWorld).invert();
-    const at = new Vector3();
-    this.extent = [1e-3, 1e-3];
-    for (const { positions } of this.data.sides) {
+    this.controls.update();
+    this.#fit();
+  }
+
+  // How much the first view has to show: both shapes, and those between them while they are seen.
+  #fit() {
+    const { azimuth: a, elevation: e, sides, morph } = this.data;
+    let width = 1e-3, height = 1e-3;
+    for (const positions of [...sides.map((side) => side.positions), ...(this.time ? morph : [])]) {
       for (let i = 0; i < positions.length; i += 3) {
-        at.fromArray(positions, i).applyMatrix4(inverse);
-        this.extent = [Math.max(this.extent[0], Math.abs(at.x)), Math.max(this.extent[1], Math.abs(at.y))];
+        const [x, y, z] = positions.subarray(i, i + 3);
+        width = Math.max(width, Math.abs(Math.cos(a) * x - Math.sin(a) * z));
+        height = Math.max(height, Math.abs(Math.cos(e) * y - Math.sin(e) * (Math.sin(a) * x + Math.cos(a) * z)));
       }
     }
-    this.controls.update();
+    this.extent = [width, height];
     this.resize();
   }
 
@@ -219,7 +208,7 @@ export class View {
     const shown = this.allLines ? this.matches : this.matches.filter((match) => match === this.chosen);
     for (const match of shown) {
       const [from, to] = [0, 1].map((s) => this.project(s, match));
-      const rgb = this.explanation.colours.subarray(3 * match.number, 3 * match.number + 3);
+      const rgb = this.colours.subarray(3 * match.number, 3 * match.number + 3);
       context.strokeStyle = `rgb(${rgb.join(",")})`;
       context.globalAlpha = match === this.chosen ? 1 : 0.55;
       context.lineWidth = match === this.chosen ? 2.5 : 1;
@@ -249,7 +238,7 @@ export class View {
     const projected = at.clone().project(this.camera);
     const ray = new Raycaster();
     ray.setFromCamera(new Vector2(projected.x, projected.y), this.camera);
-    const first = ray.intersectObject(this.sides[s].surface)[0];
+    const first = ray.intersectObject(this.sides[s].surface.mesh)[0];
     return first !== undefined && first.distance < ray.ray.origin.distanceTo(at) - 1.1 * this.size(match);
   }
 
@@ -272,7 +261,7 @@ export class View {
   }
 }
 
-const SHAPES = [new SphereGeometry(1, 24, 16), new OctahedronGeometry(1.25)];
+const SHAPES = [new SphereGeometry(1, 18, 12), new OctahedronGeometry(1.25)];
 const MARK = [
   new MeshPhongMaterial({ specular: 0x444444, shininess: 60 }),
   new MeshPhongMaterial({ specular: 0x222222, flatShading: true }),

@@ -40,12 +40,14 @@ def draw_matches(
     most: int = 60,
     size: tuple[int, int] = (1600, 800),
     title: str | None = None,
+    view: tuple[float, float] | None = None,
 ) -> None:
     """Draw both surfaces with their matches, as a PNG file.
 
     The source is on the left and the target on the right, from the same side. A match has one colour, given by
     its place on the source, so that a sphere whose colour differs from its neighbours' is likely an error; its
-    radius grows with its confidence. A match that the surface hides is not drawn.
+    radius grows with its confidence. Voted matches are spheres, recovered ones diamonds. A match that the surface
+    hides is not drawn.
 
     Parameters
     ----------
@@ -59,6 +61,9 @@ def draw_matches(
         Width and height in pixels.
     title
         A line of text above.
+    view
+        Azimuth and elevation to look from, in degrees: (0, 0) is the front, (90, 0) the shapes' left, (0, 90) from
+        above. By default from where most of the matches can be seen.
 
     Raises
     ------
@@ -67,7 +72,7 @@ def draw_matches(
     MeshError
         If the meshes of a loaded result cannot be read, or have changed since the match.
     """
-    _check(path, most, size)
+    _check(path, most, size, view)
     width, height = size
     pairs, confidence = result.pairs[:most], np.clip(np.nan_to_num(result.confidence[:most]), 0, 1)
     sides = [
@@ -78,14 +83,22 @@ def draw_matches(
         )
     ]
     colours = colours_of(sides[0].vertices[sides[0].matched])
-    azimuth = best_azimuth(sides)
-    shapes = [side.turned(azimuth, ELEVATION) for side in sides]
+    azimuth, elevation = np.radians(view) if view is not None else (best_azimuth(sides), ELEVATION)
+    shapes = [side.turned(float(azimuth), float(elevation)) for side in sides]
+    diamonds = result.kind[:most] != "voted"
     # Both at one scale (equal areas look equal), unless that would make one of them tiny.
     top = round(0.07 * height) if title else 0
     room = np.array([width // 2, height - top]) * 0.94
     fits = [float((room / (np.ptp(shape.vertices[:, :2], axis=0) + 2 * RADIUS)).min()) for shape in shapes]
     halves = [
-        render(shape, min(fit, 1.5 * min(fits)), (w, height - top), RADIUS * (0.4 + 0.6 * confidence), colours)
+        render(
+            shape,
+            max(min(fits), fit / 1.5),
+            (w, height - top),
+            RADIUS * (0.4 + 0.6 * confidence),
+            colours,
+            diamonds=diamonds,
+        )
         for shape, fit, w in zip(shapes, fits, (width // 2, width - width // 2), strict=True)
     ]
     content = _png(np.concatenate(halves, axis=1), (width, height), title)
@@ -140,7 +153,7 @@ def png(picture: np.ndarray) -> bytes:
     return _png(picture, (picture.shape[1], picture.shape[0]), None)
 
 
-def _check(path: Any, most: int, size: tuple[int, int]) -> None:
+def _check(path: Any, most: int, size: tuple[int, int], view: tuple[float, float] | None) -> None:
     if isinstance(path, str | os.PathLike) and Path(path).suffix.lower() != ".png":
         raise SettingsError(f"{path}: pictures are PNG files; give a name that ends in .png")
     if not isinstance(most, int | np.integer) or most < 0:
@@ -149,6 +162,8 @@ def _check(path: Any, most: int, size: tuple[int, int]) -> None:
         isinstance(number, int | np.integer) and SMALLEST <= number <= LARGEST for number in size
     ):
         raise SettingsError(f"size is {size!r}; it must be width and height, {SMALLEST} to {LARGEST} pixels each")
+    if view is not None and (np.shape(view) != (2,) or not np.isfinite(view).all()):
+        raise SettingsError(f"view is {view!r}; it must be azimuth and elevation, two numbers in degrees")
 
 
 def mesh_of(surface: Any, info: dict[str, Any]) -> Mesh:
@@ -251,23 +266,27 @@ def colours_of(points: np.ndarray) -> np.ndarray:
 
 def _png(picture: np.ndarray, size: tuple[int, int], title: str | None) -> bytes:
     """The bytes of a PNG file, with the title in the space above the picture."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-    from matplotlib.image import imsave
+    from PIL import Image
 
     width, height = size
+    pixels = _titled(width, height, title) if title else np.full((height, width, 3), 255, np.uint8)
+    pixels[height - len(picture) :] = np.round(picture * 255)
+    buffer = io.BytesIO()
+    Image.fromarray(pixels).save(buffer, "PNG", dpi=(100, 100))
+    return buffer.getvalue()
+
+
+def _titled(width: int, height: int, title: str) -> np.ndarray:
+    """A white picture (h, w, 3) with a line of text at the top."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
     # A hair more than the size, which matplotlib rounds down.
     figure = Figure(figsize=((width + 0.1) / 100, (height + 0.1) / 100), dpi=100, facecolor="white")
     canvas = FigureCanvasAgg(figure)
-    if title:
-        figure.text(
-            0.5, 0.96, " ".join(title.split()), ha="center", va="center", color="0.25", parse_math=False,
-            usetex=False, family="DejaVu Sans", fontsize=0.025 * height,
-        )  # fmt: skip
+    figure.text(
+        0.5, 0.96, " ".join(title.split()), ha="center", va="center", color="0.25", parse_math=False,
+        usetex=False, family="DejaVu Sans", fontsize=0.025 * height,
+    )  # fmt: skip
     canvas.draw()
-    pixels = np.array(canvas.buffer_rgba())
-    pixels[height - len(picture) :, :, :3] = np.round(picture * 255)
-    buffer = io.BytesIO()
-    no_name: Any = {"Software": None}  # matplotlib would put its version
-    imsave(buffer, pixels, format="png", origin="upper", dpi=100, metadata=no_name)
-    return buffer.getvalue()
+    return np.array(canvas.buffer_rgba())[:, :, :3].copy()

@@ -90,10 +90,12 @@ def render(
     radii: np.ndarray,
     colours: np.ndarray,
     paint: np.ndarray | None = None,
+    diamonds: np.ndarray | None = None,
 ) -> np.ndarray:
     """One surface with its spheres on white, (h, w, 3) float32 in [0, 1], the first row on top.
 
-    The surface is grey, or has at its vertices the colours of `paint` (n, 3), in [0, 1].
+    The surface is grey, or has at its vertices the colours of `paint` (n, 3), in [0, 1]. Where `diamonds` (Q,) is true
+    a sphere is an octahedron, one corner of it towards the viewer.
     """
     width, height = size
     fine = 3 if width * height < 1_500_000 else 2  # so many samples along each side of a pixel
@@ -103,13 +105,20 @@ def render(
     centres = pixels[shape.matched]
     seen = np.flatnonzero(visible(centres, depth, 0.01 * scale * fine))
     for k, (x, y, z), radius in zip(seen, centres[seen], fine * scale * radii[seen], strict=True):
-        rows, columns = (slice(max(0, int(at - radius)), int(at + radius) + 2) for at in (y, x))
+        reach = 1.25 * radius
+        rows, columns = (slice(max(0, int(at - reach)), int(at + reach) + 2) for at in (y, x))
         dy = (np.arange(depth.shape[0])[rows, None] + 0.5 - y) / radius
         dx = (np.arange(depth.shape[1])[None, columns] + 0.5 - x) / radius
-        dz = np.sqrt(np.maximum(1 - dx**2 - dy**2, 0))
-        front = (dx**2 + dy**2 < 1) & (z + radius * dz > depth[rows, columns])
+        if diamonds is not None and diamonds[k]:
+            dx, dy = np.broadcast_arrays(dx, dy)
+            dz = 1.25 - np.abs(dx) - np.abs(dy)
+            inside, faced = dz > 0, (np.sign(dx), np.sign(dy), np.ones_like(dx))
+        else:
+            dz = np.sqrt(np.maximum(1 - dx**2 - dy**2, 0))
+            inside, faced = dx**2 + dy**2 < 1, (dx, dy, dz)
+        front = inside & (z + radius * dz > depth[rows, columns])
         depth[rows, columns][front] = (z + radius * dz)[front]
-        normal[rows, columns][front] = np.stack(np.broadcast_arrays(dx, dy, dz), axis=2)[front]
+        normal[rows, columns][front] = np.stack(np.broadcast_arrays(*faced), axis=2)[front]
         label[rows, columns][front] = k + 1
     inside = np.isfinite(depth)
     picture = np.ones_like(normal)

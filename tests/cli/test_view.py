@@ -1,12 +1,15 @@
 """``mobius view``, and the page of ``mobius match``; what a page does is tested in tests/viewer."""
 
 import json
+import re
 import shutil
 import webbrowser
 from pathlib import Path
 from urllib.parse import unquote, urlparse
 
+import numpy as np
 import pytest
+from matplotlib.image import imread
 
 QUICK = ("--samples", 30, "--votes", 4000)
 
@@ -51,7 +54,7 @@ def opened(monkeypatch):
 
 def test_the_page_of_a_match_and_that_of_its_files_are_one(mobius, made, tmp_path):
     page = tmp_path / "page.html"
-    ended = mobius("view", made["json"], "--with-map", made["npz"], "-o", page)
+    ended = mobius("view", made["json"], "--with-map", made["npz"], "--explain", "-o", page)
     assert ended == (0, "", f"page written to {page}\n")
     assert '"Squares"' in page.read_text(encoding="utf-8")
     assert page.read_bytes() == made["html"].read_bytes()
@@ -70,6 +73,30 @@ def test_the_browser_opens_the_page(mobius, made, opened, monkeypatch, tmp_path)
     assert text.startswith("<!doctype html>")
     assert "one.off" in text
     assert '"Squares"' not in text
+    assert '"paired"' not in text
+    assert '"errors"' not in text
+
+
+def test_errors_against_known_correspondence(mobius, made, tmp_path):
+    known, page = tmp_path / "known.txt", tmp_path / "page.html"
+    pairs = [(one["source"], one["target"]) for one in json.loads(made["json"].read_text())["correspondences"]]
+    known.write_text("".join(f"{i} {j}\n" for i, j in pairs))
+    assert mobius("view", made["json"], "--truth", known, "-o", page).code == 0
+    (errors, *_) = re.findall(r'"errors": (\[[^\]]*\])', page.read_text(encoding="utf-8"))
+    assert json.loads(errors) == [0.0] * len(pairs)
+
+
+def test_a_picture_without_a_browser(mobius, made, opened, tmp_path):
+    picture, page = tmp_path / "matches.png", tmp_path / "page.html"
+    ended = mobius("view", made["json"], "--png", picture, "--size", "300x200")
+    assert ended == (0, "", f"picture written to {picture}\n")
+    front = imread(picture)
+    assert front.shape[:2] == (200, 300)
+    assert (np.ptp(front[:, :, :3], axis=2) > 0.25).mean() > 0.01
+    ended = mobius("view", made["json"], "--png", picture, "--size", "300x200", "--view", "120,-30", "-o", page)
+    assert ended == (0, "", f"picture written to {picture}\npage written to {page}\n")
+    assert (np.abs(imread(picture) - front).max(axis=2) > 0.1).mean() > 0.02
+    assert not opened
 
 
 def test_without_a_browser_the_page_is_named(mobius, made, monkeypatch):
@@ -81,7 +108,7 @@ def test_without_a_browser_the_page_is_named(mobius, made, monkeypatch):
 
 
 def test_what_cannot_be_shown_is_told(mobius, made, opened, tmp_path):
-    page = tmp_path / "page.html"
+    page, png = tmp_path / "page.html", tmp_path / "page.png"
     content = json.loads(made["json"].read_text())
     moved, damaged = tmp_path / "moved.json", tmp_path / "damaged.json"
     content["source"]["path"] = str(tmp_path / "gone.off")
@@ -91,7 +118,15 @@ def test_what_cannot_be_shown_is_told(mobius, made, opened, tmp_path):
     for code, words, arguments in (
         (2, "name it so", (made["json"], "-o", tmp_path / "page.txt")),
         (2, "does not exist", (made["json"], "-o", tmp_path / "nowhere" / "page.html")),
+        (2, "name it so", (made["json"], "--png", tmp_path / "page.jpg")),
+        (2, "'30' is not two numbers, as in 1600x800", (made["json"], "--png", png, "--size", "30")),
+        (2, "'up' is not two numbers, as in 30,15", (made["json"], "--png", png, "--view", "up")),
+        (2, "two numbers in degrees", (made["json"], "--png", png, "--view", "nan,0")),
+        (2, "64 to 4096", (made["json"], "--png", png, "--size", "30x5000")),
+        (3, "made.json: cannot be read as text", (made["json"], "--truth", tmp_path / "made.json", "-o", page)),
         (3, "gone.off", (moved, "-o", page)),
+        (3, "gone.off", (moved, "--png", png)),
+        (3, "gone.off", (moved, "--explain", "-o", page)),
         (3, "damaged", (damaged, "-o", page)),
         (3, "not a readable result file", (tmp_path / "none.json", "-o", page)),
         (3, "not a readable map", (made["json"], "--with-map", made["json"], "-o", page)),

@@ -1,10 +1,15 @@
 """Small results to look at, and a browser."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
+from PIL import Image
 
+from mobius_match import match
 from mobius_match.correspondence import Alternative, Correspondence
 from mobius_match.dense import SurfaceMap
+from mobius_match.evaluation import Truth
 from mobius_match.geometry.points import SurfacePoints
 from mobius_match.mesh import as_mesh, repair
 from mobius_match.viewer import page
@@ -47,6 +52,48 @@ def dense(mesh):
     corner = np.unique(mesh.faces.ravel(), return_index=True)[1]
     points = SurfacePoints(corner // 3, mesh.faces[corner // 3], np.eye(3)[corner % 3])
     return SurfaceMap(mesh, mesh, points, points, np.full(n, True), np.arange(n) >= 30)
+
+
+@pytest.fixture(scope="session")
+def matched():
+    """A real match of two small shapes, with its votes."""
+    shape = shapes.lump()
+    return match(shape, shape, samples=30, votes=4000, seed=0)
+
+
+@pytest.fixture(scope="session")
+def truth(result):
+    """The matches are right, but for the first, whose true place is that of the second; others are not known."""
+    return Truth(result.pairs[:8, 0], result.pairs[[1, *range(1, 8)], 1], landmarks=True)
+
+
+@pytest.fixture(scope="session")
+def everything(result, dense, truth, matched, tmp_path_factory):
+    """A page with all that there is to show; the votes are of another match, on 30 samples."""
+    path = tmp_path_factory.mktemp("everything") / "page.html"
+    shown = replace(result, source=matched.source, target=matched.target, votes=matched.votes)
+    path.write_text(page(shown, dense=dense, truth=truth), encoding="utf-8")
+    return path
+
+
+@pytest.fixture(scope="session")
+def textured(result, dense, mesh, tmp_path_factory):
+    """The page of a source with a texture: red below, blue above."""
+    folder = tmp_path_factory.mktemp("textured")
+    image = np.zeros((1024, 2048, 3), np.uint8)
+    image[:512, :, 2] = image[512:, :, 0] = 230
+    Image.fromarray(image).save(folder / "t.png")
+    (folder / "m.mtl").write_text("newmtl m\nmap_Kd t.png\n")
+    low, size = mesh.vertices.min(axis=0), np.ptp(mesh.vertices, axis=0)
+    uv = (mesh.vertices - low)[:, :2] / size[:2]
+    lines = ["mtllib m.mtl", *("v " + " ".join(map(repr, row)) for row in mesh.vertices.tolist())]
+    lines += [*(f"vt {u!r} {v!r}" for u, v in uv.tolist()), "usemtl m"]
+    lines += ["f " + " ".join(f"{i + 1}/{i + 1}" for i in row) for row in mesh.faces.tolist()]
+    path = folder / "textured.obj"
+    path.write_text("\n".join(lines) + "\n")
+    source = repair(as_mesh(path))
+    seen = replace(result, source=Prepared(source), source_info=info(source, str(path)))
+    return page(seen, dense=replace(dense, source=source))
 
 
 @pytest.fixture(scope="session")

@@ -2,6 +2,7 @@
 
 import io
 import re
+import time
 
 import numpy as np
 from matplotlib.image import imread
@@ -22,6 +23,17 @@ class Prepared:
 
 def info(mesh, path=None):
     return {"path": path, "sha256": mesh.sha256, "vertices": mesh.n_file_vertices, "faces": mesh.n_file_faces}
+
+
+def write_ply(path, mesh, colours):
+    """A PLY file of text with colours from 0 to 255."""
+    head = ["ply", "format ascii 1.0", f"element vertex {len(mesh.vertices)}"]
+    head += [f"property double {axis}" for axis in "xyz"]
+    head += [f"property uchar {name}" for name in ("red", "green", "blue")]
+    head += [f"element face {len(mesh.faces)}", "property list uchar int vertex_indices", "end_header"]
+    both = np.concatenate([mesh.vertices, colours], axis=1).tolist()
+    rows = [" ".join(map(repr, row[:3])) + " " + " ".join(f"{value:.0f}" for value in row[3:]) for row in both]
+    path.write_text("\n".join([*head, *rows, *(f"3 {a} {b} {c}" for a, b, c in mesh.faces.tolist())]) + "\n")
 
 
 def picture(browser):
@@ -54,9 +66,14 @@ def take(browser, number):
     browser.settle()
 
 
-def slide(browser, value):
-    browser.run(f"least.value = {value}; least.dispatchEvent(new Event('input'))")
+def move(browser, name, value):
+    """Move a slider."""
+    browser.run(f"{name}.value = {value}; {name}.dispatchEvent(new Event('input'))")
     browser.settle()
+
+
+def slide(browser, value):
+    move(browser, "least", value)
 
 
 def ends(browser):
@@ -69,3 +86,15 @@ def ends(browser):
         (np.array(re.findall(r"-?[\d.]+(?=px)", transform), float) + corner + [-14, 26], text)
         for transform, text in found
     ]
+
+
+def downloaded(browser, folder, button):
+    session, browser.session = browser.session, None
+    browser.call("Browser.setDownloadBehavior", behavior="allow", downloadPath=str(folder))
+    browser.session = session
+    browser.run(f"document.getElementById('{button}').click()")
+    end = time.monotonic() + 30
+    while not (found := [path for path in folder.iterdir() if path.suffix in (".json", ".csv", ".png")]):
+        assert time.monotonic() < end
+        time.sleep(0.02)
+    return found[0]

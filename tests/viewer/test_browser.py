@@ -14,7 +14,20 @@ from matplotlib.image import imread
 
 from mobius_match import Correspondence
 from mobius_match.viewer import page
-from tests.viewer.pages import ROWS, STATUS, Prepared, choose, ends, halves, info, picture, saturated, slide, take
+from tests.viewer.pages import (
+    ROWS,
+    STATUS,
+    Prepared,
+    choose,
+    downloaded,
+    ends,
+    halves,
+    info,
+    picture,
+    saturated,
+    slide,
+    take,
+)
 
 
 def test_both_shapes_are_drawn_alike(opened):
@@ -135,25 +148,13 @@ def test_surfaces_take_colours_and_squares(opened):
         seen.append(one)
         # The identity: alike but for the 30 vertices that correspond to nothing.
         assert (np.abs(one - other).max(axis=2) > 0.15).mean() < 0.1
-        assert opened.run("scale.hidden") == (k < 3)
+        assert opened.run("document.getElementById('scale').hidden") == (k < 3)
     places, squares = seen[:2]
     assert saturated(places).mean() > 0.1
     darker = places.max(axis=2) - squares.max(axis=2) > 0.1
     assert 0.3 < darker.sum() / saturated(places).sum() < 0.7
     choose(opened, "colouring", 0)
     assert np.ptp(halves(opened)[0], axis=2).mean() < np.ptp(places, axis=2).mean()
-
-
-def downloaded(browser, folder, button):
-    session, browser.session = browser.session, None
-    browser.call("Browser.setDownloadBehavior", behavior="allow", downloadPath=str(folder))
-    browser.session = session
-    browser.run(f"document.getElementById('{button}').click()")
-    end = time.monotonic() + 30
-    while not (found := [path for path in folder.iterdir() if path.suffix in (".json", ".csv", ".png")]):
-        assert time.monotonic() < end
-        time.sleep(0.02)
-    return found[0]
 
 
 def test_download_of_the_result(opened, tmp_path, result):

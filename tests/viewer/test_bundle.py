@@ -43,6 +43,13 @@ def test_licences_are_with_the_script():
     assert line in (BUILT.parent / "LICENSE.md").read_text(encoding="utf-8")
 
 
+def test_the_checker_of_accessibility_is_the_locked_one_with_its_licence():
+    folder = ROOT / "tests/viewer/axe"
+    version = json.loads((SOURCES / "package.json").read_text(encoding="utf-8"))["devDependencies"]["axe-core"]
+    assert (folder / "axe.min.js").read_text(encoding="utf-8").startswith(f"/*! axe v{version}\n")
+    assert "Mozilla Public License, version 2.0" in (folder / "LICENSE").read_text(encoding="utf-8")
+
+
 def test_the_lock_pins_versions_and_names_no_host():
     lock = (SOURCES / "package-lock.json").read_text(encoding="utf-8")
     assert '"resolved"' not in lock

@@ -1,6 +1,7 @@
 """What a page holds, decoded without a browser."""
 
 import base64
+import io
 import json
 import re
 from dataclasses import replace
@@ -8,12 +9,16 @@ from html import unescape
 
 import numpy as np
 import pytest
+from PIL import Image
 
-from mobius_match import Correspondence, FormatError, MeshError, SurfaceMap, examples, viewer
+from mobius_match import Correspondence, FormatError, MeshError, SurfaceMap, examples, match, viewer
+from mobius_match.evaluation import Truth, metrics
 from mobius_match.geometry.points import SurfacePoints
 from mobius_match.mesh import as_mesh, repair
-from mobius_match.viewer import page
-from tests.viewer.pages import Prepared, info
+from mobius_match.mobius import CANONICAL_TRIANGLE, cross_ratio
+from mobius_match.viewer import packing, page
+from tests import shapes
+from tests.viewer.pages import Prepared, info, write_ply
 
 
 def element(text, name):
@@ -25,8 +30,12 @@ def numbers(packed, kind):
 
 
 def vertices(side):
-    codes = numbers(side["positions"], "<u2").reshape(-1, 3)
-    return side["low"] + codes * np.array(side["step"])
+    return places(side["positions"])
+
+
+def places(found):
+    codes = numbers(found["codes"], "<u2").reshape(-1, len(found["low"]))
+    return found["low"] + codes * np.array(found["step"])
 
 
 def ends(content, k=0):
@@ -56,8 +65,8 @@ def test_exact_places_on_the_target_are_used(result, mesh):
 
 def test_a_large_mesh_is_drawn_with_fewer_vertices_and_spheres_stay(result, mesh, monkeypatch):
     whole = element(page(result), "shapes")
-    monkeypatch.setattr(viewer, "MOST", 500)
-    monkeypatch.setattr(viewer, "FEWER", 200)
+    monkeypatch.setattr(viewer.shapes, "MOST", 500)
+    monkeypatch.setattr(viewer.shapes, "FEWER", 200)
     simple = element(page(result), "shapes")
     for side, points, before in zip(simple["sides"], ends(simple), ends(whole), strict=True):
         assert side["simplified"]
@@ -100,20 +109,135 @@ def test_the_page_of_a_pair_with_its_map_is_small():
 
 def test_colours_go_by_the_map_and_nothing_is_grey(result, dense):
     content = element(page(result, dense=dense), "shapes")
-    assert [one["name"] for one in content["colourings"]] == [
-        "Places", "Squares", "Change of area", "Change of distances",
-    ]  # fmt: skip
-    for one in content["colourings"]:
-        source, target = (numbers(colours, "u1").reshape(-1, 3) for colours in one["colours"])
-        np.testing.assert_array_equal(source[30:], target[30:])
-        assert (target[:30] == np.round(255 * viewer.NOTHING)).all()
+    names = ["Places", "Squares", "Change of area", "Change of angles", "Change of distances"]
+    assert [one["name"] for one in content["colourings"]] == names
+    source, target = (numbers(colours, "u1").reshape(-1, 3) for colours in content["colourings"][0]["colours"])
+    np.testing.assert_array_equal(source[30:], target[30:])
+    assert (target[:30] == np.round(255 * packing.NOTHING)).all()
+    assert content["colourings"][1]["like"] == 0
     origins = [numbers(side["origins"], "<u2").reshape(-1, 3) for side in content["sides"]]
     np.testing.assert_array_equal(origins[0][30:], origins[1][30:])
     assert (origins[1][:30] == 65535).all()
-    # The identity changes neither areas nor distances.
-    area, distances = (numbers(one["colours"][0], "u1").reshape(-1, 3) for one in content["colourings"][2:])
-    assert (np.abs(area - viewer.DIVERGING[2]) <= 1).all()
-    assert (np.abs(distances - viewer.RISING[0]) <= 1).all()
+    # The identity changes neither areas nor angles nor distances.
+    for one, value in zip(content["colourings"][2:], (127, 0, 0), strict=True):
+        source, target = (numbers(values, "u1") for values in one["values"])
+        assert (source == value).all()
+        assert (target[30:] == value).all()
+        assert (target[:30] == 255).all()
+        assert len(one["scale"]["labels"]) == 3
+
+
+def test_the_morph_begins_at_the_source_and_ends_at_the_target(result, dense):
+    """Turned round and larger there: shapes between neither shrink nor leave the page."""
+    turned = replace(dense.target, vertices=dense.target.vertices @ np.diag([-1.0, 1, -1]) * 2, sha256="other")
+    across = replace(dense, target=turned, back_found=dense.found)
+    other = replace(result, target=Prepared(turned), target_info=info(turned))
+    content = element(page(other, dense=across), "shapes")
+    start, end = (vertices(side) for side in content["sides"])
+    frames = places(content["morph"]).reshape(8, -1, 3)
+    np.testing.assert_allclose(frames[-1], end, atol=1e-4)
+    sizes = [np.linalg.norm(one - one.mean(axis=0), axis=1).mean() for one in (start, *frames)]
+    assert np.ptp(sizes) < 0.02 * sizes[0]
+    for k, one in enumerate((result, *result.alternatives)):
+        moved = numbers(content["explanations"][k]["moved"], "<f4").reshape(8, -1, 3)
+        np.testing.assert_allclose(moved, frames[:, one.pairs[:, 0]], atol=1e-4)
+
+
+def test_colours_of_the_source_file_are_carried(tmp_path, result, dense, mesh):
+    path = tmp_path / "coloured.ply"
+    colours = np.arange(3 * len(mesh.vertices)).reshape(-1, 3) % 251
+    write_ply(path, mesh, colours)
+    coloured = repair(as_mesh(path))
+    seen = replace(result, source=Prepared(coloured), source_info=info(coloured, str(path)))
+    content = element(page(seen, dense=replace(dense, source=coloured)), "shapes")
+    (own,) = [one for one in content["colourings"] if one["name"] == "Own colours"]
+    source, target = (numbers(one, "u1").reshape(-1, 3) for one in own["colours"])
+    np.testing.assert_array_equal(source, colours)
+    np.testing.assert_array_equal(target[30:], colours[30:])
+
+
+def test_the_texture_of_the_source_file_is_carried(textured):
+    content = element(textured, "shapes")
+    assert content["colourings"][2]["name"] == "Texture"
+    source, target = content["sides"]
+    known = [numbers(side["uv"]["known"], "u1").astype(bool) for side in (source, target)]
+    assert known[0].all()
+    assert 0 < (~known[1]).sum() < 200  # around the vertices without counterpart
+    uv = [places(side["uv"]).reshape(-1, 3, 2) for side in (source, target)]
+    np.testing.assert_allclose(uv[1][known[1]], uv[0][known[1]], atol=1e-3)
+    picture = base64.b64decode(content["texture"].removeprefix("data:image/jpeg;base64,"))
+    assert Image.open(io.BytesIO(picture)).size == (1024, 512)
+
+
+def test_errors_are_those_of_the_evaluation(result, dense, mesh):
+    """A truth that is off by one edge: each error is that edge's length, per diameter."""
+    numbers_of = np.arange(len(mesh.vertices))
+    shifted = mesh.faces[np.argsort(mesh.faces[:, 0], kind="stable")]
+    shifted = shifted[np.searchsorted(shifted[:, 0], numbers_of).clip(max=len(shifted) - 1)]
+    known = shifted[:, 0] == numbers_of
+    truth = Truth(shifted[known, 0], shifted[known, 1])
+    content = element(page(result, dense=dense, truth=truth), "shapes")
+    diameter = metrics.diameter(mesh)
+    errors = np.array(content["explanations"][0]["errors"])
+    step = np.linalg.norm(mesh.vertices[truth.source] - mesh.vertices[truth.target], axis=1) / diameter
+    near = np.searchsorted(truth.source, result.pairs[:, 0])
+    same = truth.source[near] == result.pairs[:, 0]
+    assert same.sum() > 12
+    np.testing.assert_allclose(errors[same], step[near][same], atol=1e-6)
+    assert len(content["explanations"][1]["errors"]) == 5
+    assert max(content["explanations"][1]["errors"]) > 0.2
+    (painted,) = [one for one in content["colourings"] if one["name"] == "Error"]
+    source, target = (numbers(one, "u1") for one in painted["values"])
+    np.testing.assert_allclose(source[truth.source] / 254 * 0.2, step, atol=0.0005)
+    np.testing.assert_array_equal(source[30:], target[30:])
+    assert (target[:30] == 255).all()
+
+
+def test_what_is_not_known_has_no_error(result, dense):
+    truth = Truth(result.pairs[:2, 0], result.pairs[:2, 1], landmarks=True)
+    content = element(page(result, dense=dense, truth=truth), "shapes")
+    assert [error for error in content["explanations"][0]["errors"] if error is not None] == [0.0, 0.0]
+    source = numbers(content["colourings"][-1]["values"][0], "u1")
+    assert 0 < (source != 255).sum() < 0.2 * len(source)
+    with pytest.raises(FormatError, match="the list belongs to another mesh"):
+        page(result, truth=Truth(np.array([10**6]), np.array([0])))
+
+
+def test_the_votes_and_the_planes_are_those_of_the_match(matched):
+    found = element(page(matched), "shapes")["insight"]
+    shape = matched.votes.matrix.shape
+    share = numbers(found["matrix"], "<u2").reshape(shape) / 65535
+    np.testing.assert_allclose(share, matched.votes.matrix / matched.votes.matrix.max(), atol=1e-5)
+    assert sorted(found["rows"]) == list(range(shape[0]))
+    assert sorted(found["columns"]) == list(range(shape[1]))
+    assert found["samples"][0] == matched.source.mesh.vertex_ids[matched.source.samples].tolist()
+    planes = [numbers(plane, "<f4").reshape(-1, 2) @ [1, 1j] for plane in found["planes"]]
+    assert all((np.abs(plane) <= 1).all() for plane in planes)
+    opened = [plane / (1 - np.abs(plane)) for plane in planes]
+    for plane, triplet, surface in zip(opened, found["triplet"], (matched.source, matched.target), strict=True):
+        np.testing.assert_allclose(plane[triplet], CANONICAL_TRIANGLE, atol=1e-5)
+        # A Moebius transformation leaves cross-ratios as they are.
+        four = [*triplet, next(i for i in range(len(plane)) if i not in triplet)]
+        np.testing.assert_allclose(
+            cross_ratio(*plane[four]), cross_ratio(*surface.positions[four]), rtol=1e-3
+        )  # fmt: skip
+    # Mutually nearest, but for a few whose weight decides.
+    for i, j in enumerate(found["paired"]):
+        if j >= 0:
+            assert found["paired"].count(j) == 1
+            assert np.abs(opened[0][i] - opened[1][j]) < 0.5 or np.abs(opened[0][i]) > 3
+    assert sum(j >= 0 for j in found["paired"]) >= 8
+
+
+def test_votes_of_uniform_triplets_and_too_few_of_them():
+    shape = shapes.lump()
+    uniform = match(shape, shape, samples=20, votes=3000, proposal="uniform", seed=0)
+    found = element(page(uniform), "shapes")["insight"]
+    rows, columns = found["triplet"]
+    leading = np.argsort(-uniform.votes.matrix, axis=None)[0]
+    assert [rows[0], columns[0]] == list(np.unravel_index(leading, (20, 20)))
+    few = replace(uniform.votes, matrix=np.diag([1.0, 1.0, *[0.0] * 18]))
+    assert "insight" not in element(page(replace(uniform, votes=few)), "shapes")
 
 
 def test_a_map_of_other_meshes_is_refused(result, dense):

@@ -194,12 +194,12 @@ def prepared_otherwise(surface: Surface | None, settings: dict[str, Any]) -> lis
     return [f"{surface.mesh.name}: stays prepared with {', '.join(others)}"] if others else []
 
 
-def draw(result: Correspondence) -> bytes:
+def draw(result: Correspondence, **options: Any) -> bytes:
     """The picture of the matches, as the bytes of a PNG file."""
     from ..figures import draw_matches
 
     picture = io.BytesIO()
-    draw_matches(result, picture)
+    draw_matches(result, picture, **options)
     return picture.getvalue()
 
 

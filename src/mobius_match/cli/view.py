@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 import tempfile
+from dataclasses import replace
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 from typer import Argument, Option
 
 from ..errors import SettingsError
-from .common import say
-from .match import Quiet, Verbose
+from .common import Reporter, say
+from .match import Quiet, Verbose, draw
 from .output import STDOUT, check_output, write
+
+if TYPE_CHECKING:
+    from ..correspondence import Correspondence
 
 
 def view(
@@ -24,6 +28,29 @@ def view(
         Path | None,
         Option("--with-map", metavar="FILE.npz", help="Show the dense map too, of 'mobius match --dense FILE.npz'."),
     ] = None,
+    truth: Annotated[
+        Path | None,
+        Option(
+            metavar="FILE",
+            help="Show errors against known correspondence: lines 'SOURCE TARGET', a line for each source vertex, or "
+            "a folder or manifest of 'mobius bench' that has the pair.",
+        ),
+    ] = None,
+    explain: Annotated[
+        bool, Option("--explain", help="Show how the matches were found too, for which the meshes are matched again.")
+    ] = False,
+    png: Annotated[
+        Path | None, Option(metavar="FILE.png", help="Draw both shapes with their matches there; opens no browser.")
+    ] = None,
+    size: Annotated[str, Option(metavar="WxH", help="Of the picture, in pixels.")] = "1600x800",
+    view: Annotated[
+        str | None,
+        Option(
+            metavar="AZ,EL",
+            help="Where to look from in the picture, in degrees: 0,0 is the front, 90,0 the shapes' left, 0,90 above.  "
+            "[default: from where most is seen]",
+        ),
+    ] = None,
     quiet: Quiet = False,
     verbose: Verbose = False,
 ) -> None:
@@ -31,17 +58,26 @@ def view(
 
     The page is one file that needs no network. The meshes are read again from where they were.
     """
-    if output is not None:
-        if output != STDOUT and output.suffix.lower() != ".html":
-            raise SettingsError(f"--output: {output} is not a .html file; name it so.")
-        check_output("--output", output, [result] if with_map is None else [result, with_map])
+    inputs = [path for path in (result, with_map, truth) if path is not None]
+    for option, path, ending in (("--output", output, ".html"), ("--png", png, ".png")):
+        if path is None or (path == STDOUT and option == "--output"):
+            continue
+        if path.suffix.lower() != ending:
+            raise SettingsError(f"{option}: {path} is not a {ending} file; name it so.")
+        check_output(option, path, inputs)
+    pixels = _numbers("--size", size, "x", int)
+    direction = None if view is None else _numbers("--view", view, ",", float)
 
     from ..correspondence import Correspondence
-    from ..dense import SurfaceMap
-    from ..viewer import page
 
-    dense = None if with_map is None else SurfaceMap.load(with_map)
-    content = page(Correspondence.load(result), dense=dense).encode()
+    with Reporter(quiet, verbose) as reporter:
+        found = Correspondence.load(result)
+        if png is not None:
+            write(png, draw(found, size=pixels, view=direction))
+            reporter.notes([f"picture written to {png}"])
+            if output is None:
+                return
+        content = _page(found, with_map, truth, explain, reporter)
     if output is not None:
         write(output, content)
         if not quiet and output != STDOUT:
@@ -56,3 +92,39 @@ def view(
         say(f"no browser was found; open {file.name} in one")
     elif not quiet:
         say(f"opened {file.name}")
+
+
+def _page(
+    result: Correspondence, with_map: Path | None, truth: Path | None, explain: bool, reporter: Reporter
+) -> bytes:
+    """The page, as the bytes of a file."""
+    import numpy as np
+
+    from ..dense import SurfaceMap
+    from ..viewer import page
+
+    dense = None if with_map is None else SurfaceMap.load(with_map)
+    known = None
+    if truth is not None:
+        from ..evaluation import read_truth
+
+        infos = result.source_info, result.target_info
+        known = read_truth(truth, *(info.get("path") for info in infos), int(infos[0].get("vertices", 0)))
+    if explain:
+        from ..rematching import rematch
+
+        with reporter.compiling():
+            again = rematch(result, cache=True, progress=reporter.progress)
+        if not np.array_equal(again.pairs, result.pairs):
+            reporter.notes(["matching again gave other matches: another version of the program made the result"])
+        result = replace(result, source=again.source, target=again.target, votes=again.votes)
+    return page(result, dense=dense, truth=known).encode()
+
+
+def _numbers(option: str, text: str, between: str, kind: type[int] | type[float]) -> tuple[Any, Any]:
+    try:
+        first, second = (kind(part) for part in text.lower().split(between))
+    except ValueError:
+        example = "1600x800" if between == "x" else "30,15"
+        raise SettingsError(f"{option}: {text!r} is not two numbers, as in {example}.") from None
+    return first, second

@@ -122,8 +122,15 @@ class Carrier:
                 f"{self.source.name}: texture coordinates are of shape {uv.shape}; its {len(self.source.faces)} "
                 "triangles need (triangles, 3, 2)"
             )
-        charts = self._charts(uv)
-        corners = self._there[self.target.faces]
+        return self._uv(self._charts(uv), self._there[self.target.faces])
+
+    def drawn_uv(self, uv: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Texture coordinates as :meth:`uv` takes them, at the corners of the repaired source's and target's faces."""
+        charts = self._charts(np.asarray(uv, np.float64))
+        return charts, self._uv(charts, self.map.target.faces)
+
+    def _uv(self, charts: np.ndarray, corners: np.ndarray) -> np.ndarray:
+        """Texture coordinates of faces (m, 3) of the repaired target, -1 where a corner has no place in it."""
         centres, found = self.map.inverse.images(
             SurfacePoints(np.full(len(corners), -1), corners, np.full((len(corners), 3), 1 / 3))
         )

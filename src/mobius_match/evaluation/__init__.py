@@ -16,6 +16,7 @@ _HOMES = {
     "geodesic_distances": "metrics",
     "load_run": "runs",
     "ranking": "metrics",
+    "read_truth": "known",
     "run": "runs",
     "write_comparison": "report",
     "write_report": "report",
