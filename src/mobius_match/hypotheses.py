@@ -17,11 +17,14 @@ from .geometry.spectral import functional_map
 from .geometry.transport import Transport
 from .matrix_processing import max_row_column
 from .mobius import homogeneous
-from .registration import Registration, register, stretching
+from .registration import Registration, described, register, stretching
 from .surface import Surface
 from .voting import Votes
 from .voting.kernel import explained_pairs
 
+import os
+HARD, WITHIN = map(float, os.environ.get('HARD', '2.5,1.5').split(','))
+S_DESC = float(os.environ.get('S_DESC', '0'))
 GROUP_RADIUS = 0.2
 """Two triplets tell the same if they send the samples to places that differ by less, on average, per sqrt(area)."""
 
@@ -90,14 +93,36 @@ def explanations(source: Surface, target: Surface, votes: Votes) -> list[Explana
         Votes of guided triplets on them. Without triplets there is no explanation.
     """
     pairs = explained_pairs(homogeneous(source.positions), homogeneous(target.positions), votes.best1, votes.best2)
-    found = []
-    for group in group_triplets(pairs, target.normalized_distances, votes.totals):
-        image = spread_to_surface(source, target, _matches(pairs[group], votes.totals[group], len(target.samples)))
+    distances = target.normalized_distances
+
+    def explained(group: np.ndarray, image: np.ndarray) -> Explanation:
         evidence = compare(source, target, image)
         evidence["votes"] = float(np.log(votes.totals[0] / votes.totals[group[0]]))
         badness = sum(WEIGHTS[kind] * value for kind, value in evidence.items())
-        found.append(Explanation(target.proxy[image], evidence, badness, len(group) / len(pairs)))
+        return Explanation(target.proxy[image], evidence, badness, len(group) / len(pairs))
+
+    groups = group_triplets(pairs, distances, votes.totals)
+    found = []
+    for group in groups:
+        matches = _matches(pairs[group], votes.totals[group], len(target.samples))
+        found.append(explained(group, spread_to_surface(source, target, matches)))
+    least = min((one.badness for one in found), default=0.0)
+    if least > HARD:
+        # Nothing fits well: the groups are impure or the maps were drawn to a wrong place. Other ways to begin help.
+        for i, group in enumerate(groups):
+            if found[i].badness - least > WITHIN: continue
+            half = _purest(pairs, distances, group)
+            for part in (group, half):
+                matches = _matches(pairs[part], votes.totals[part], len(target.samples))
+                tried = [] if part is group else [explained(group, spread_to_surface(source, target, matches))]
+                tried.append(explained(group, _plan(target, source, matches[:, ::-1]).argmax(axis=0)))
+                found[i] = min([found[i], *tried], key=lambda one: one.badness)
     return sorted(found, key=lambda explanation: explanation.badness)
+
+
+def _purest(pairs: np.ndarray, distances: np.ndarray, group: np.ndarray) -> np.ndarray:
+    apart = _differences(pairs[group], pairs[group[0]], distances)
+    return group[np.sort(np.argsort(apart, kind="stable")[: (len(group) + 1) // 2])]
 
 
 def contested(source: Surface, target: Surface, found: list[Explanation]) -> list[Explanation]:
@@ -144,14 +169,18 @@ def group_triplets(
     left = np.flatnonzero(totals >= LEAST_SHARE * totals.max(initial=0.0))
     groups: list[np.ndarray] = []
     while len(left) and len(groups) < most:
-        leader = pairs[left[0]]
-        shared = (pairs[left] >= 0) & (leader >= 0)
-        apart = np.where(shared, distances[pairs[left], leader], 0.0).sum(axis=1) / np.maximum(shared.sum(axis=1), 1)
-        same = (apart < radius) & shared.any(axis=1)
+        same = _differences(pairs[left], pairs[left[0]], distances) < radius
         same[0] = True
         groups.append(left[same])
         left = left[~same]
     return groups
+
+
+def _differences(pairs: np.ndarray, leader: np.ndarray, distances: np.ndarray) -> np.ndarray:
+    """Mean distances (B,) of the places of the samples under triplets (B, N1) and under another (N1,)."""
+    shared = (pairs >= 0) & (leader >= 0)
+    sums = np.where(shared, distances[pairs, leader], 0.0).sum(axis=1)
+    return np.where(shared.any(axis=1), sums / np.maximum(shared.sum(axis=1), 1), np.inf)
 
 
 def _matches(pairs: np.ndarray, totals: np.ndarray, n2: int) -> np.ndarray:
@@ -165,6 +194,10 @@ def _matches(pairs: np.ndarray, totals: np.ndarray, n2: int) -> np.ndarray:
 
 def spread_to_surface(source: Surface, target: Surface, matches: np.ndarray) -> np.ndarray:
     """A map of the whole proxy from matches of samples (q, 2): numbers (P1,) in the target's proxy."""
+    return _plan(source, target, matches).argmax(axis=1)
+
+
+def _plan(source: Surface, target: Surface, matches: np.ndarray) -> np.ndarray:
     plan = Transport(
         *(
             np.exp(-surface.proxy_distances[matches[:, side]].T / (FEATURE_SCALE * np.sqrt(surface.area)))
@@ -172,11 +205,14 @@ def spread_to_surface(source: Surface, target: Surface, matches: np.ndarray) -> 
         )
     ).plan
     first, second = (surface.eigenfunctions[surface.proxy] for surface in (source, target))
+    d1, d2 = (described(surface)[surface.proxy] for surface in (source, target))
     for count in UPSAMPLING:
         # Each point is sent to the mean of the places that its mass goes to.
         transfer = functional_map(first[:, :count], plan @ second[:, :count])
-        plan = Transport(first[:, :count] @ transfer, second[:, :count]).plan
-    return plan.argmax(axis=1)
+        one, two = first[:, :count] @ transfer, second[:, :count]
+        scale = S_DESC * np.sqrt((two**2).sum(1).mean())
+        plan = Transport(np.hstack([one, scale * d1]), np.hstack([two, scale * d2])).plan
+    return plan
 
 
 def compare(source: Surface, target: Surface, image: np.ndarray) -> dict[str, float]:
@@ -213,4 +249,7 @@ def finer_targets(source: Surface, target: Surface, explanation: Explanation, ve
     """Where an explanation sends vertices of the source, no longer bound to samples: target vertices (q,) int64."""
     transfer = functional_map(source.eigenfunctions[source.proxy], target.eigenfunctions[explanation.image])
     first, second = source.eigenfunctions @ transfer, target.eigenfunctions
+    d1, d2 = (described(surface) for surface in (source, target))
+    scale = S_DESC * np.sqrt((second[target.proxy]**2).sum(1).mean())
+    first, second = np.hstack([first, scale * d1]), np.hstack([second, scale * d2])
     return Transport(first[source.proxy], second[target.proxy]).images(first[vertices], second)

@@ -31,8 +31,8 @@ ROUNDS = 3
 SETTLING, STEPS = 12, 2
 """Alternations of turning and moving at first, and after each search."""
 
-NORMAL, SPECTRAL = 0.15, 0.02
-"""How much normals and eigenfunctions count in the nearest point, against places per sqrt(area)."""
+NORMAL, SPECTRAL, DESCRIPTOR = 0.15, 0.02, 0.07
+"""How much normals, eigenfunctions and descriptors count in the nearest point, against places per sqrt(area)."""
 
 TEAR = 0.07
 """How much longer than the edge its image is, per sqrt(area), where the map is torn."""
@@ -100,12 +100,13 @@ def _register(
     centre = target.mesh.vertices.mean(axis=0)
     here, there = source.mesh.vertices / np.sqrt(source.area), (target.mesh.vertices - centre) / np.sqrt(target.area)
     normals1, normals2 = vertex_normals(here, source.mesh.faces)[source.proxy], vertex_normals(there, target.mesh.faces)
-    # Nothing is left of the eigenfunctions of a part, or of who draws.
+    # Nothing is left of the eigenfunctions and descriptors of a part, or of who draws.
     drawers, shared = (target.proxy, target.eigenfunctions.shape[1]) if whole else (target.proxy[:0], 0)
     spectral1 = source.eigenfunctions[source.proxy].astype(np.float64)[:, :shared]
     spectral2 = target.eigenfunctions[:, :shared]
     some = _candidates(target)
-    goals = _features(there[some], normals2[some], spectral2[some])
+    seen1, seen2 = source.descriptors[source.proxy][:, :shared], target.descriptors[:, :shared]
+    goals = _features(there[some], normals2[some], spectral2[some], seen2[some])
     # A tree is faster where there are few columns.
     tree = None if whole else scipy.spatial.cKDTree(goals)
     drawing = np.searchsorted(some, drawers)
@@ -121,7 +122,7 @@ def _register(
         for _ in range(rounds):
             transfer = functional_map(spectral1[held], spectral2[image[held]])
             turned = np.einsum("ni,nij->nj", normals1, turns)
-            seekers = _features(positions, turned, spectral1 @ transfer)
+            seekers = _features(positions, turned, spectral1 @ transfer, seen1)
             image = some[nearest_rows(seekers, goals) if tree is None else tree.query(seekers)[1]]
             drawn = nearest_rows(goals[drawing], seekers)
             number = 1 + np.bincount(drawn, minlength=len(image))
@@ -149,9 +150,9 @@ def stretching(source: Surface, target: Surface, registration: Registration) -> 
     return float(np.abs(np.log(after / before)).mean())
 
 
-def _features(places: np.ndarray, normals: np.ndarray, spectral: np.ndarray) -> np.ndarray:
-    """What points are compared by, (p, 6 + k); single precision halves the time of the search."""
-    return np.concatenate([places, NORMAL * normals, SPECTRAL * spectral], axis=1).astype(np.float32)
+def _features(places: np.ndarray, normals: np.ndarray, spectral: np.ndarray, seen: np.ndarray) -> np.ndarray:
+    """What points are compared by, (p, 6 + k + d); single precision halves the time of the search."""
+    return np.hstack([places, NORMAL * normals, SPECTRAL * spectral, DESCRIPTOR * seen]).astype(np.float32)
 
 
 class Body:
