@@ -12,11 +12,11 @@ from mobius_match.hypotheses import (
     contested,
     explanations,
     finer_targets,
-    group_triplets,
-    spread_to_surface,
+    spread,
 )
 from mobius_match.settings import MatchSettings
 from mobius_match.voting import cast_votes
+from mobius_match.voting.groups import group_triplets
 from tests.shapes import lump, renumbered
 
 
@@ -42,10 +42,10 @@ def test_triplets_that_share_no_pair_tell_different_things():
 
 def test_identity_spreads_to_the_identity_and_has_nothing_against_it(surface):
     matches = np.stack([np.arange(40), np.arange(40)], axis=1)
-    image = spread_to_surface(surface, surface, matches)
+    image = spread(surface, surface, matches).argmax(axis=1)
     np.testing.assert_array_equal(image, np.arange(len(surface.proxy)))
     evidence = compare(surface, surface, image)
-    assert set(evidence) | {"votes"} == set(WEIGHTS)
+    assert set(evidence) | {"votes", "landmarks"} == set(WEIGHTS)
     for kind, value in evidence.items():
         assert abs(value) < 0.02, kind
 

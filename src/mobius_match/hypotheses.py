@@ -9,31 +9,25 @@ the Laplacian, curvature.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from itertools import product
+from operator import attrgetter
 
 import numpy as np
 
 from .geometry.spectral import functional_map
 from .geometry.transport import Transport
-from .matrix_processing import max_row_column
+from .hints import ASTRAY, Hints
 from .mobius import homogeneous
-from .registration import Registration, described, register, stretching
+from .preparing import each
+from .registration import Registration, register, stretching
+from .settings import MatchSettings
 from .surface import Surface
-from .voting import Votes
+from .voting import Votes, cast_votes
+from .voting.groups import GROUP_RADIUS, agreed_matches, group_triplets, purest_half
 from .voting.kernel import explained_pairs
 
-import os
-HARD, WITHIN = map(float, os.environ.get('HARD', '2.5,1.5').split(','))
-S_DESC = float(os.environ.get('S_DESC', '0'))
-GROUP_RADIUS = 0.2
-"""Two triplets tell the same if they send the samples to places that differ by less, on average, per sqrt(area)."""
-
-LEAST_SHARE = 0.6
-"""Groups whose best triplet weighs less than this part of the best of all are not examined."""
-
-MOST_GROUPS = 8
-TRUSTED = 60
-"""How many of a group's matches its map is made from."""
+badness_of = attrgetter("badness")
 
 FEATURE_SCALE = 0.3
 """Distance per sqrt(area) over which a match has a say in the first map."""
@@ -41,16 +35,33 @@ FEATURE_SCALE = 0.3
 UPSAMPLING = (20, 30, 40, 50)
 """Numbers of eigenfunctions from one refinement of the map to the next."""
 
+DESCRIPTORS = 0.4
+"""How much the descriptors of points count against their eigenfunctions, by root mean square."""
+
+HARD, NEARLY = 2.5, 1.5
+"""Badness of the best explanation above which other starts are tried, for those whose badness is up to so much more."""
+
 COMPARED = 20
 """Number of eigenfunctions on which maps are compared with the Laplacian."""
 
-WEIGHTS = {"distances": 5.0, "laplacian": 3.0, "mean curvature": 1.0, "gauss curvature": 3.0, "votes": 2.0}
-"""What each kind of evidence counts."""
+WEIGHTS = {
+    "distances": 5.0,
+    "laplacian": 3.0,
+    "mean curvature": 1.0,
+    "gauss curvature": 3.0,
+    "votes": 2.0,
+    "landmarks": 20.0,
+}
+"""What each kind of evidence counts; the last is how far known pairs are sent elsewhere, where there are any."""
 
-CONTEST, STRETCH = 1.0, 20.0
-"""Difference of badness up to which explanations are compared once more, and what stretching counts then."""
+CONTEST, CONTENDERS = 1.5, 4
+"""Difference of badness up to which explanations are compared once more, and how many at most."""
 
-CONTENDERS = 4
+BENT = {"stretch": 60.0, "turn": 20.0}
+"""What counts then: how much the bent source is stretched, and how far its normals are from the target's."""
+
+CLOSE = 0.3
+"""Difference of two explanations' badness below which the choice between them is called close."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,6 +80,8 @@ class Explanation:
         The part of the best triplets that tell this explanation.
     registration
         The source bent along it, if that has been done.
+    hints
+        Pairs that are known, for bending.
     """
 
     image: np.ndarray
@@ -76,13 +89,18 @@ class Explanation:
     badness: float
     share: float
     registration: Registration | None = None
+    hints: Hints | None = None
 
     def registered(self, source: Surface, target: Surface) -> Registration:
         """The source bent onto the target along this explanation."""
-        return self.registration or register(source, target, finer_targets(source, target, self, source.proxy))
+        return self.registration or register(
+            source, target, finer_targets(source, target, self, source.proxy), hints=self.hints
+        )
 
 
-def explanations(source: Surface, target: Surface, votes: Votes) -> list[Explanation]:
+def explanations(
+    source: Surface, target: Surface, votes: Votes, hints: Hints | None = None, jobs: int | None = 1
+) -> list[Explanation]:
     """The explanations that the best triplets stand for, the best first.
 
     Parameters
@@ -91,128 +109,130 @@ def explanations(source: Surface, target: Surface, votes: Votes) -> list[Explana
         The surfaces.
     votes
         Votes of guided triplets on them. Without triplets there is no explanation.
+    hints
+        Pairs that are known: maps begin with them too, and are the worse the farther they send them elsewhere.
+    jobs
+        Threads; None for every processor. The result does not depend on it.
     """
     pairs = explained_pairs(homogeneous(source.positions), homogeneous(target.positions), votes.best1, votes.best2)
     distances = target.normalized_distances
+    groups = group_triplets(pairs, distances, votes.totals)
 
-    def explained(group: np.ndarray, image: np.ndarray) -> Explanation:
+    def explained(group: np.ndarray, part: np.ndarray, backward: bool = False) -> Explanation:
+        """A group's explanation by a part of its triplets, from a map of the source or, backward, of the target."""
+        matches = agreed_matches(pairs[part], votes.totals[part], len(target.samples))
+        if backward:
+            image = spread(target, source, matches[:, ::-1], hints and hints.inverse).argmax(axis=0)
+        else:
+            image = spread(source, target, matches, hints).argmax(axis=1)
         evidence = compare(source, target, image)
         evidence["votes"] = float(np.log(votes.totals[0] / votes.totals[group[0]]))
+        if hints is not None:
+            astray = hints.astray(source, target, target.proxy[image])
+            evidence["landmarks"] = float(np.maximum(astray - ASTRAY, 0.0).mean())
         badness = sum(WEIGHTS[kind] * value for kind, value in evidence.items())
-        return Explanation(target.proxy[image], evidence, badness, len(group) / len(pairs))
+        return Explanation(target.proxy[image], evidence, badness, len(group) / len(pairs), hints=hints)
 
-    groups = group_triplets(pairs, distances, votes.totals)
-    found = []
-    for group in groups:
-        matches = _matches(pairs[group], votes.totals[group], len(target.samples))
-        found.append(explained(group, spread_to_surface(source, target, matches)))
+    found = each(lambda i, _: explained(groups[i], groups[i]), len(groups), jobs, None)
     least = min((one.badness for one in found), default=0.0)
     if least > HARD:
-        # Nothing fits well: the groups are impure or the maps were drawn to a wrong place. Other ways to begin help.
-        for i, group in enumerate(groups):
-            if found[i].badness - least > WITHIN: continue
-            half = _purest(pairs, distances, group)
-            for part in (group, half):
-                matches = _matches(pairs[part], votes.totals[part], len(target.samples))
-                tried = [] if part is group else [explained(group, spread_to_surface(source, target, matches))]
-                tried.append(explained(group, _plan(target, source, matches[:, ::-1]).argmax(axis=0)))
-                found[i] = min([found[i], *tried], key=lambda one: one.badness)
-    return sorted(found, key=lambda explanation: explanation.badness)
+        # The shapes differ, and a map that began well may have gone astray. Other ways to begin do not go astray alike.
+        near = [i for i, one in enumerate(found) if one.badness <= least + NEARLY]
+        tasks = [
+            (i, part, backward)
+            for i in near
+            for part, backward in product((groups[i], purest_half(pairs, distances, groups[i])), (False, True))
+        ]
+        others = each(lambda k, _: explained(groups[tasks[k][0]], *tasks[k][1:]), len(tasks), jobs, None)
+        for (i, _, _), other in zip(tasks, others, strict=True):
+            found[i] = min(found[i], other, key=badness_of)
+    return sorted(found, key=badness_of)
 
 
-def _purest(pairs: np.ndarray, distances: np.ndarray, group: np.ndarray) -> np.ndarray:
-    apart = _differences(pairs[group], pairs[group[0]], distances)
-    return group[np.sort(np.argsort(apart, kind="stable")[: (len(group) + 1) // 2])]
+def heeding(
+    source: Surface, target: Surface, votes: Votes, settings: MatchSettings, hints: Hints | None
+) -> tuple[Votes, list[Explanation]]:
+    """The explanations, best first, and the votes that they come from, in the light of what is known.
+
+    Where the votes lead to no explanation that agrees with the hints, they are cast once more with them. Where they do,
+    hints have no say in it: on shapes of other proportions distances from them mislead.
+    """
+    found = explanations(source, target, votes, hints, settings.jobs)
+    if hints is None or (found and not found[0].evidence["landmarks"]):
+        return votes, found
+    votes = cast_votes(source, target, replace(settings, votes=votes.n_triplets), hints=hints)
+    found = sorted(found + explanations(source, target, votes, hints, settings.jobs), key=badness_of)
+    places, distinct = target.mesh.vertices / np.sqrt(target.area), found[:1]
+    for one in found[1:]:
+        apart = [np.linalg.norm(places[one.image] - places[other.image], axis=1).mean() for other in distinct]
+        if min(apart) >= GROUP_RADIUS / 2:
+            distinct.append(one)
+    return votes, distinct
 
 
-def contested(source: Surface, target: Surface, found: list[Explanation]) -> list[Explanation]:
-    """Explanations, best first, after those that are close have been compared once more: by how much they stretch.
+def contested(source: Surface, target: Surface, found: list[Explanation], jobs: int | None = 1) -> list[Explanation]:
+    """Explanations, best first, after those that are close have been compared once more: by how the source is bent.
 
     What is right on the whole and wrong at a limb shows when the surface is bent, which takes long; so only contenders
-    are. Their badness changes by how much more they stretch than the first of them. The winner has been bent.
+    are. Their badness changes by how much worse they are bent than the first of them. The winner has been bent.
     """
     rivals = [one for one in found[:CONTENDERS] if one.badness - found[0].badness <= CONTEST]
+    registrations = each(lambda i, _: rivals[i].registered(source, target), len(rivals), jobs, None)
     judged: list[Explanation] = []
-    for one in rivals:
-        registration = one.registered(source, target)
-        evidence = one.evidence | {"stretch": stretching(source, target, registration)}
-        more = evidence["stretch"] - (judged or [one])[0].evidence.get("stretch", evidence["stretch"])
-        judged.append(Explanation(one.image, evidence, one.badness + STRETCH * more, one.share, registration))
-    return sorted(judged + found[len(rivals) :], key=lambda explanation: explanation.badness)
+    first = dict.fromkeys(BENT, 0.0)
+    for one, registration in zip(rivals, registrations, strict=True):
+        bent = {"stretch": stretching(source, target, registration), "turn": float(registration.turn.mean())}
+        first = first if judged else bent
+        badness = one.badness + sum(weight * (bent[kind] - first[kind]) for kind, weight in BENT.items())
+        judged.append(replace(one, evidence=one.evidence | bent, badness=badness, registration=registration))
+    return sorted(judged + found[len(rivals) :], key=badness_of)
 
 
-def group_triplets(
-    pairs: np.ndarray,
-    distances: np.ndarray,
-    totals: np.ndarray,
-    radius: float = GROUP_RADIUS,
-    most: int = MOST_GROUPS,
-) -> list[np.ndarray]:
-    """Group triplets by where they send the samples.
+def doubts(found: list[Explanation]) -> list[str]:
+    """What a user should know of the choice between explanations, best first."""
+    if found and found[0].evidence.get("landmarks"):
+        return ["the landmarks fit with none of the explanations that were found: are they right? Look at the matches"]
+    if len(found) < 2 or found[1].badness - found[0].badness > CLOSE:
+        return []
+    margin = found[1].badness - found[0].badness
+    return [
+        f"another explanation of the two shapes is nearly as good (it lost by {margin:.2f}; below {CLOSE} is close): "
+        "look at the matches, and at the alternatives"
+    ]
 
-    Parameters
-    ----------
-    pairs
-        (B, N1) int, the target sample of each source sample under each triplet, -1 for none, best triplet first.
-    distances
-        (N2, N2) between the target's samples per sqrt(area).
-    totals
-        (B,) weights of the triplets, not increasing.
-    radius, most
-        Largest mean distance of a triplet's places from those of its group's best, and how many groups at most.
+
+def spread(source: Surface, target: Surface, matches: np.ndarray, hints: Hints | None = None) -> np.ndarray:
+    """A map of the whole proxy from matches of samples (q, 2) and hints.
 
     Returns
     -------
-    list of numpy.ndarray
-        Numbers of the triplets of each group; the first of each is its best, and the groups are in their order.
+    numpy.ndarray
+        (P1, P2) float32: which part of each point of the source's proxy goes where in the target's; rows sum to 1.
     """
-    left = np.flatnonzero(totals >= LEAST_SHARE * totals.max(initial=0.0))
-    groups: list[np.ndarray] = []
-    while len(left) and len(groups) < most:
-        same = _differences(pairs[left], pairs[left[0]], distances) < radius
-        same[0] = True
-        groups.append(left[same])
-        left = left[~same]
-    return groups
-
-
-def _differences(pairs: np.ndarray, leader: np.ndarray, distances: np.ndarray) -> np.ndarray:
-    """Mean distances (B,) of the places of the samples under triplets (B, N1) and under another (N1,)."""
-    shared = (pairs >= 0) & (leader >= 0)
-    sums = np.where(shared, distances[pairs, leader], 0.0).sum(axis=1)
-    return np.where(shared.any(axis=1), sums / np.maximum(shared.sum(axis=1), 1), np.inf)
-
-
-def _matches(pairs: np.ndarray, totals: np.ndarray, n2: int) -> np.ndarray:
-    """The matches (q, 2) that a group of triplets agrees on."""
-    votes = np.zeros((pairs.shape[1], n2))
-    for row, total in zip(pairs, totals, strict=True):
-        paired = np.flatnonzero(row >= 0)
-        votes[paired, row[paired]] += total**2
-    return max_row_column(votes)[0][:TRUSTED]
-
-
-def spread_to_surface(source: Surface, target: Surface, matches: np.ndarray) -> np.ndarray:
-    """A map of the whole proxy from matches of samples (q, 2): numbers (P1,) in the target's proxy."""
-    return _plan(source, target, matches).argmax(axis=1)
-
-
-def _plan(source: Surface, target: Surface, matches: np.ndarray) -> np.ndarray:
-    plan = Transport(
-        *(
-            np.exp(-surface.proxy_distances[matches[:, side]].T / (FEATURE_SCALE * np.sqrt(surface.area)))
-            for side, surface in enumerate((source, target))
-        )
-    ).plan
+    features = []
+    for side, surface in enumerate((source, target)):
+        apart = surface.proxy_distances[matches[:, side]]
+        if hints is not None:
+            apart = np.concatenate([apart, hints.distances[side][:, surface.proxy]])
+        features.append(np.exp(-apart.T / (FEATURE_SCALE * np.sqrt(surface.area))))
+    plan = Transport(*features).plan
     first, second = (surface.eigenfunctions[surface.proxy] for surface in (source, target))
-    d1, d2 = (described(surface)[surface.proxy] for surface in (source, target))
     for count in UPSAMPLING:
         # Each point is sent to the mean of the places that its mass goes to.
         transfer = functional_map(first[:, :count], plan @ second[:, :count])
-        one, two = first[:, :count] @ transfer, second[:, :count]
-        scale = S_DESC * np.sqrt((two**2).sum(1).mean())
-        plan = Transport(np.hstack([one, scale * d1]), np.hstack([two, scale * d2])).plan
+        plan = _transport(source, target, first[:, :count] @ transfer, second[:, :count]).plan
     return plan
+
+
+def _transport(source: Surface, target: Surface, first: np.ndarray, second: np.ndarray) -> Transport:
+    """Between the proxies, by eigenfunctions (P1, k) and (P2, k) that have been brought together, and descriptors."""
+    return Transport(_described(source, source.proxy, first, second), _described(target, target.proxy, second, second))
+
+
+def _described(surface: Surface, vertices: np.ndarray, functions: np.ndarray, of_proxy: np.ndarray) -> np.ndarray:
+    """Eigenfunctions (q, k) and descriptors of vertices (q,), at a ratio that the target's proxy (P2, k) tells."""
+    scale = DESCRIPTORS * np.sqrt(np.einsum("ij,ij->", of_proxy, of_proxy) / len(of_proxy))
+    return np.hstack([functions, scale * surface.descriptors[vertices]])
 
 
 def compare(source: Surface, target: Surface, image: np.ndarray) -> dict[str, float]:
@@ -249,7 +269,7 @@ def finer_targets(source: Surface, target: Surface, explanation: Explanation, ve
     """Where an explanation sends vertices of the source, no longer bound to samples: target vertices (q,) int64."""
     transfer = functional_map(source.eigenfunctions[source.proxy], target.eigenfunctions[explanation.image])
     first, second = source.eigenfunctions @ transfer, target.eigenfunctions
-    d1, d2 = (described(surface) for surface in (source, target))
-    scale = S_DESC * np.sqrt((second[target.proxy]**2).sum(1).mean())
-    first, second = np.hstack([first, scale * d1]), np.hstack([second, scale * d2])
-    return Transport(first[source.proxy], second[target.proxy]).images(first[vertices], second)
+    of_proxy, everywhere = second[target.proxy], np.arange(len(second))
+    return _transport(source, target, first[source.proxy], of_proxy).images(
+        _described(source, vertices, first[vertices], of_proxy), _described(target, everywhere, second, of_proxy)
+    )
