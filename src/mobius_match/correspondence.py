@@ -175,6 +175,12 @@ class Correspondence:
         """Write the result as JSON; an existing file is replaced at once or not at all."""
         write_atomically(Path(path), self.to_json().encode())
 
+    def export(self, path: str | os.PathLike[str], **options: Any) -> list[Path]:
+        """Write the matches for other programs; see :func:`mobius_match.export.export` for the options."""
+        from .export import export
+
+        return export(self, path, **options)
+
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Correspondence:
         """Read a result file.
