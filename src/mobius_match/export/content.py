@@ -61,6 +61,12 @@ class Content:
         return self.result
 
     @property
+    def given(self) -> np.ndarray:
+        """Which matches are landmarks that the user gave, (Q,) bool."""
+        found = self.matches.given
+        return np.zeros(len(self.matches), bool) if found is None else found
+
+    @property
     def map(self) -> SurfaceMap:
         """The dense map.
 
@@ -132,4 +138,5 @@ def confident(result: Correspondence, least: float) -> Correspondence:
         raise NothingFoundError(f"no match has a confidence of {least} or more; the highest is {highest:.3f}")
     some: dict[str, Any] = {name: getattr(result, name)[kept] for name in ("pairs", "confidence", "kind")}
     points = result.target_points
-    return replace(result, **some, target_points=None if points is None else points[kept])
+    given = None if result.given is None else result.given[kept]
+    return replace(result, **some, target_points=None if points is None else points[kept], given=given)

@@ -22,9 +22,9 @@ PLACES = [f"{side}_{axis}" for side in SIDES for axis in "xyz"]
 def write_csv(content: Content) -> bytes:
     """A row for each match; the headings tell the direction, the column ``index_base`` where vertices begin."""
     matches, exact = content.matches, content.matches.target_points
-    heads = ["name", "source", "target", "confidence", "kind", *PLACES, "index_base"]
+    heads = ["name", "source", "target", "confidence", "kind", "given", *PLACES, "index_base"]
     columns = [content.marks[0].names, *matches.pairs.T.tolist(), map(repr, matches.confidence.tolist())]
-    columns += [matches.kind.tolist()]
+    columns += [matches.kind.tolist(), content.given.astype(int).tolist()]
     columns += [map(repr, column) for marks in content.marks for column in marks.points.T.tolist()]
     columns += [[0] * len(matches)]
     if exact is not None:
@@ -66,6 +66,7 @@ def arrays_of(content: Content, base: int) -> dict[str, np.ndarray]:
         matches, exact = content.result, content.result.target_points
         found |= {"source": matches.pairs[:, 0] + base, "target": matches.pairs[:, 1] + base}
         found |= {"confidence": matches.confidence, "recovered": matches.kind == "recovered"}
+        found["given"] = content.given
         found |= {f"{side}_points": marks.points for side, marks in zip(SIDES, content.marks, strict=True)}
         if exact is not None:
             found |= _points("target", exact, base)
