@@ -1,7 +1,7 @@
 """Pairs of points that the user knows to correspond, and what follows from them for all others.
 
-Beyond the paper. A hint speaks wherever the method chooses: a sample and its match are as far from the two ends of it;
-an explanation that sends it elsewhere is worse by far; and where the source is bent, it is pinned to its place.
+Beyond the paper. Of several explanations one that sends a hint elsewhere is worse by far. If all do, votes are cast
+once more, for pairs that are as far from the two ends of a hint. Where the source is bent, it is pinned to its place.
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from threadpoolctl import threadpool_limits
 
 from .errors import SettingsError
 from .geometry.geodesics import geodesic_solver
@@ -22,7 +23,8 @@ if TYPE_CHECKING:
     from .dense import SurfaceMap
 
 ASTRAY = 0.15
-"""Distance per sqrt(area) from which on a hint counts as not fitting."""
+"""Distance per sqrt(area) from which an explanation is held to send a hint elsewhere: maps are blurred, and a user's
+landmarks need not be exact."""
 
 PINNED = 10.0
 """Weight of the places of hints against rigidity."""
@@ -193,7 +195,8 @@ def hints_of(given: Any, source: Surface, target: Surface) -> tuple[Hints, list[
         end if surface.detail is None else surface.detail.places(surface.mesh).nearest[end]
         for surface, end in zip((source, target), ends, strict=True)
     )
-    heard = (_distances(source, simple[0][:HEARD]), _distances(target, simple[1][:HEARD]))
+    with threadpool_limits(limits=1, user_api="blas"):  # sums must not depend on the number of processors
+        heard = (_distances(source, simple[0][:HEARD]), _distances(target, simple[1][:HEARD]))
     found = Hints(pairs, ends, (simple[0], simple[1]), heard)
     return found, notes + found.contradictions(source, target)
 

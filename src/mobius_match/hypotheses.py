@@ -19,8 +19,9 @@ from .hints import ASTRAY, Hints
 from .matrix_processing import max_row_column
 from .mobius import homogeneous
 from .registration import Registration, register, stretching
+from .settings import MatchSettings
 from .surface import Surface
-from .voting import Votes
+from .voting import Votes, cast_votes
 from .voting.kernel import explained_pairs
 
 GROUP_RADIUS = 0.2
@@ -115,10 +116,32 @@ def explanations(source: Surface, target: Surface, votes: Votes, hints: Hints | 
         evidence = compare(source, target, image)
         evidence["votes"] = float(np.log(votes.totals[0] / votes.totals[group[0]]))
         if hints is not None:
-            evidence["landmarks"] = float(hints.astray(source, target, target.proxy[image]).mean())
+            astray = hints.astray(source, target, target.proxy[image])
+            evidence["landmarks"] = float(np.maximum(astray - ASTRAY, 0.0).mean())
         badness = sum(WEIGHTS[kind] * value for kind, value in evidence.items())
         found.append(Explanation(target.proxy[image], evidence, badness, len(group) / len(pairs), hints=hints))
     return sorted(found, key=lambda explanation: explanation.badness)
+
+
+def heeding(
+    source: Surface, target: Surface, votes: Votes, settings: MatchSettings, hints: Hints | None
+) -> tuple[Votes, list[Explanation]]:
+    """The explanations, best first, and the votes that they come from, in the light of what is known.
+
+    Where the votes lead to no explanation that agrees with the hints, they are cast once more with them. Where they do,
+    hints have no say in it: on shapes of other proportions distances from them mislead.
+    """
+    found = explanations(source, target, votes, hints)
+    if hints is None or (found and not found[0].evidence["landmarks"]):
+        return votes, found
+    votes = cast_votes(source, target, replace(settings, votes=votes.n_triplets), hints=hints)
+    found = sorted(found + explanations(source, target, votes, hints), key=lambda explanation: explanation.badness)
+    places, distinct = target.mesh.vertices / np.sqrt(target.area), found[:1]
+    for one in found[1:]:
+        apart = [np.linalg.norm(places[one.image] - places[other.image], axis=1).mean() for other in distinct]
+        if min(apart) >= GROUP_RADIUS / 2:
+            distinct.append(one)
+    return votes, distinct
 
 
 def contested(source: Surface, target: Surface, found: list[Explanation]) -> list[Explanation]:
@@ -140,7 +163,7 @@ def contested(source: Surface, target: Surface, found: list[Explanation]) -> lis
 
 def doubts(found: list[Explanation]) -> list[str]:
     """What a user should know of the choice between explanations, best first."""
-    if found and found[0].evidence.get("landmarks", 0.0) > ASTRAY:
+    if found and found[0].evidence.get("landmarks"):
         return ["the landmarks fit with none of the explanations that were found: are they right? Look at the matches"]
     if len(found) < 2 or found[1].badness - found[0].badness > CLOSE:
         return []

@@ -14,7 +14,7 @@ from .correspondence import Alternative, Correspondence
 from .errors import NothingFoundError, SettingsError
 from .geometry.points import SurfacePoints, closest_points
 from .hints import Hints, given_first, hints_of, through
-from .hypotheses import TRUSTED, Explanation, contested, doubts, explanations, spread_to_surface
+from .hypotheses import TRUSTED, Explanation, contested, doubts, heeding, spread_to_surface
 from .matrix_processing import linear_assignment, max_row_column, normalized, recover
 from .partial import PartPlaces, part_places
 from .preparing import each, finished, opened
@@ -108,14 +108,14 @@ def match(
     first, second = surfaces
     begin = time.perf_counter()
     hints, notes = (None, []) if landmarks is None else hints_of(landmarks, first, second)
-    votes = cast_votes(first, second, chosen, progress, hints)
+    votes = cast_votes(first, second, chosen, progress)
     timings["voting"] = time.perf_counter() - begin
     begin = time.perf_counter()
     # One BLAS thread: sums must not depend on the number of processors.
     with threadpool_limits(limits=1, user_api="blas"):
         # The paper's own voting knows whole surfaces only.
         places, note = part_places(first, second, chosen.seed, chosen.jobs, hints) if guided else (None, "")
-        seen = explanations(first, second, votes, hints)
+        votes, seen = heeding(first, second, votes, chosen, hints)
         if places and seen and seen[0].badness < ALIKE:
             places, note = None, ""
         found = [] if places else contested(first, second, seen)
