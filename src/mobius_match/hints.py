@@ -15,7 +15,7 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from .errors import SettingsError
-from .geometry.geodesics import geodesic_solver
+from .geometry.geodesics import geodesic_solver, nearest_centres
 from .geometry.points import SurfacePoints, points_at
 from .surface import Surface
 
@@ -79,6 +79,8 @@ class Hints:
         (k,) int64 of each side: the same, in the numbers of the surfaces' whole meshes.
     vertices
         (k,) int64 of each side: the same, or the nearest, in the numbers of the meshes that are computed on.
+    beside
+        (k,) int64 of each side: the places in the proxy of its vertices next to these along the surface.
     distances
         (h, n1) and (h, n2) float32, from the first hints along the surfaces to all vertices, in the meshes' units.
     """
@@ -86,12 +88,13 @@ class Hints:
     pairs: np.ndarray
     ends: tuple[np.ndarray, np.ndarray]
     vertices: tuple[np.ndarray, np.ndarray]
+    beside: tuple[np.ndarray, np.ndarray]
     distances: tuple[np.ndarray, np.ndarray]
 
     @property
     def inverse(self) -> Hints:
         """The hints from target to source."""
-        return Hints(self.pairs[:, ::-1], self.ends[::-1], self.vertices[::-1], self.distances[::-1])
+        return Hints(self.pairs[:, ::-1], self.ends[::-1], self.vertices[::-1], self.beside[::-1], self.distances[::-1])
 
     def disagreement(self, source: Surface, target: Surface, here: np.ndarray, there: np.ndarray) -> np.ndarray:
         """How much vertices (q1,) and (q2,) differ in their distances from the hints, (q1, q2), mean per sqrt(area)."""
@@ -106,11 +109,9 @@ class Hints:
 
     def astray(self, source: Surface, target: Surface, image: np.ndarray) -> np.ndarray:
         """How far (h,) per sqrt(area) of the target a map of the proxy (P1,) to its vertices sends the hints."""
-        near = self.distances[0][:, source.proxy]
-        rows = near.argmin(axis=1)
-        every = np.arange(len(rows))
+        every, rows = np.arange(len(self.distances[0])), self.beside[0][: len(self.distances[0])]
         # What a vertex beside the hint may be off, it is not astray.
-        beside = near[every, rows] / np.sqrt(source.area)
+        beside = self.distances[0][every, source.proxy[rows]] / np.sqrt(source.area)
         return np.maximum(self.distances[1][every, image[rows]] / np.sqrt(target.area) - beside, 0.0)
 
     def pins(self, source: Surface, target: Surface, places: np.ndarray) -> Pins:
@@ -123,11 +124,10 @@ class Hints:
         places
             (n2, 3) of the target's vertices, wherever and at whatever size it lies.
         """
-        here, there = self.vertices
         rest = source.mesh.vertices / np.sqrt(source.area)
-        apart = np.linalg.norm(rest[source.proxy] - rest[here][:, None], axis=2)
-        rows, first = np.unique(apart.argmin(axis=1), return_index=True)
-        return Pins(rows, places[there[first]], rest[source.proxy[rows]] - rest[here[first]])
+        rows, first = np.unique(self.beside[0], return_index=True)  # of two hints beside one vertex the first
+        here, there = (vertices[first] for vertices in self.vertices)
+        return Pins(rows, places[there], rest[source.proxy[rows]] - rest[here])
 
     def contradictions(self, source: Surface, target: Surface) -> list[str]:
         """A line on the hint that fits least with the others, if it does not fit with most of them."""
@@ -196,19 +196,20 @@ def hints_of(given: Any, source: Surface, target: Surface) -> tuple[Hints, list[
         for surface, end in zip((source, target), ends, strict=True)
     )
     with threadpool_limits(limits=1, user_api="blas"):  # sums must not depend on the number of processors
-        heard = (_distances(source, simple[0][:HEARD]), _distances(target, simple[1][:HEARD]))
-    found = Hints(pairs, ends, (simple[0], simple[1]), heard)
+        (beside1, distances1), (beside2, distances2) = (
+            _around(surface, vertices) for surface, vertices in zip((source, target), simple, strict=True)
+        )
+    found = Hints(pairs, ends, (simple[0], simple[1]), (beside1, beside2), (distances1, distances2))
     return found, notes + found.contradictions(source, target)
 
 
-def _distances(surface: Surface, vertices: np.ndarray) -> np.ndarray:
-    """Distances (h, n) float32 along the surface, in the units of the mesh."""
+def _around(surface: Surface, vertices: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Places (k,) in the proxy beside vertices, and distances (h, n) float32 from the first of them."""
     mesh, scale = surface.mesh, np.sqrt(surface.area)
-    # As in preparation, at a size far from overflow.
-    solve = geodesic_solver(
-        (mesh.vertices - mesh.vertices.mean(axis=0)) / scale, mesh.faces, surface.settings.geodesics
-    )
-    return np.stack([solve(int(vertex)) * scale for vertex in vertices]).astype(np.float32)
+    places = (mesh.vertices - mesh.vertices.mean(axis=0)) / scale  # far from overflow, as in preparation
+    solve = geodesic_solver(places, mesh.faces, surface.settings.geodesics)
+    distances = np.stack([solve(int(vertex)) * scale for vertex in vertices[:HEARD]]).astype(np.float32)
+    return nearest_centres(places, mesh.faces, surface.proxy)[vertices], distances
 
 
 def _ends(surface: Surface, numbers: np.ndarray) -> np.ndarray:

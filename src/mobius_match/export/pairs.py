@@ -122,9 +122,12 @@ def _nearest(points: np.ndarray, mesh: Mesh) -> tuple[np.ndarray, np.ndarray]:
 def _apart(pairs: np.ndarray, notes: list[str], listed: str) -> np.ndarray:
     """Without landmarks whose nearest vertex is another's already."""
     kept: list[int] = []
+    taken: tuple[set[int], set[int]] = set(), set()
     for k, (i, j) in enumerate(pairs.tolist()):
-        if not any(i == pairs[m, 0] or j == pairs[m, 1] for m in kept):
+        if i not in taken[0] and j not in taken[1]:
             kept.append(k)
+            taken[0].add(i)
+            taken[1].add(j)
     if len(kept) < len(pairs):
         notes.append(f"{listed}: {len(pairs) - len(kept)} landmarks share a vertex with another, and are left out")
     return pairs[kept]
