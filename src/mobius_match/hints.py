@@ -22,7 +22,7 @@ from .surface import Surface
 if TYPE_CHECKING:
     from .dense import SurfaceMap
 
-ASTRAY = 0.15
+ASTRAY = 0.2
 """Distance per sqrt(area) from which an explanation is held to send a hint elsewhere: maps are blurred, and a user's
 landmarks need not be exact."""
 
