@@ -45,7 +45,7 @@ def test_identity_spreads_to_the_identity_and_has_nothing_against_it(surface):
     image = spread_to_surface(surface, surface, matches)
     np.testing.assert_array_equal(image, np.arange(len(surface.proxy)))
     evidence = compare(surface, surface, image)
-    assert set(evidence) | {"votes"} == set(WEIGHTS)
+    assert set(evidence) | {"votes", "landmarks"} == set(WEIGHTS)
     for kind, value in evidence.items():
         assert abs(value) < 0.02, kind
 

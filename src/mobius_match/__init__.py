@@ -14,7 +14,9 @@ from .errors import FormatError, MeshError, MobiusError, NothingFoundError, Sett
 
 if TYPE_CHECKING:
     from .correspondence import Correspondence
-    from .dense import Quality, SurfaceMap, isometric_distance, quality
+    from .dense import SurfaceMap
+    from .dense.quality import Quality, isometric_distance, quality
+    from .export import read_landmarks
     from .matching import match
     from .mesh import Mesh, read_mesh
     from .mirror import Symmetry, symmetry
@@ -39,6 +41,7 @@ _HOMES = {
     "match": "matching",
     "quality": "dense",
     "prepare": "preparing",
+    "read_landmarks": "export",
     "read_mesh": "mesh",
     "rematch": "rematching",
     "symmetry": "mirror",
@@ -64,6 +67,7 @@ __all__ = [
     "match",
     "prepare",
     "quality",
+    "read_landmarks",
     "read_mesh",
     "rematch",
     "symmetry",

@@ -35,7 +35,7 @@ class Alternative:
 
     Parameters
     ----------
-    pairs, confidence, kind, target_points
+    pairs, confidence, kind, target_points, given
         As in :class:`Correspondence`.
     margin
         By how much it lost against the chosen explanation, without units; small is close.
@@ -49,6 +49,7 @@ class Alternative:
     margin: float
     share: float
     target_points: SurfacePoints | None = None
+    given: np.ndarray | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,6 +69,8 @@ class Correspondence:
     target_points
         Where exactly the Q matches lie: faces and corners in the user's own numbers, and barycentric coordinates.
         ``pairs`` names the corner that weighs most. None where matches are samples of the target (uniform proposals).
+    given
+        (Q,) bool: which matches are landmarks that the user gave, with confidence 1; None where none were given.
     source_info, target_info
         Path, SHA-256, numbers of vertices and faces, area and geodesic diameter of the two meshes.
     settings, timings, software
@@ -94,6 +97,7 @@ class Correspondence:
     target_info: dict[str, Any]
     settings: dict[str, Any]
     target_points: SurfacePoints | None = None
+    given: np.ndarray | None = None
     timings: dict[str, float] = field(default_factory=dict)
     software: dict[str, str] = field(default_factory=dict)
     diagnostics: dict[str, float] = field(default_factory=dict)
@@ -175,6 +179,12 @@ class Correspondence:
         """Write the result as JSON; an existing file is replaced at once or not at all."""
         write_atomically(Path(path), self.to_json().encode())
 
+    def export(self, path: str | os.PathLike[str], **options: Any) -> list[Path]:
+        """Write the matches for other programs; see :func:`mobius_match.export.export` for the options."""
+        from .export import export
+
+        return export(self, path, **options)
+
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Correspondence:
         """Read a result file.
@@ -224,15 +234,19 @@ def _rows(matches: Correspondence | Alternative) -> list[dict[str, Any]]:
         values = zip(points.faces.tolist(), points.corners.tolist(), points.barycentric.tolist(), strict=True)
         for row, value in zip(rows, values, strict=True):
             row["target_point"] = dict(zip(POINT_FIELDS, value, strict=True))
+    for place in [] if matches.given is None else np.flatnonzero(matches.given):
+        rows[place]["given"] = True
     return rows
 
 
 def _matches(rows: list[dict[str, Any]]) -> dict[str, Any]:
+    given = np.array([bool(row.get("given")) for row in rows], bool)
     return {
         "pairs": np.array([(row["source"], row["target"]) for row in rows], np.int64).reshape(-1, 2),
         "confidence": np.array([row["confidence"] for row in rows], np.float64),
         "kind": np.array([row["kind"] for row in rows], dtype="<U9"),
         "target_points": _points(rows),
+        "given": given if given.any() else None,
     }
 
 

@@ -171,10 +171,10 @@ def mesh_of(surface: Any, info: dict[str, Any]) -> Mesh:
     if surface is not None:
         return surface.whole_mesh
     if info.get("path") is None:
-        raise MeshError("the loaded result was made from arrays, which it does not hold; match again, then draw")
+        raise MeshError("the loaded result was made from arrays, which it does not hold; match again")
     mesh = as_mesh(info["path"])
     if mesh.sha256 != info.get("sha256"):
-        raise MeshError(f"{info['path']}: the file has changed since the match; match again, then draw")
+        raise MeshError(f"{info['path']}: the file has changed since the match; match again")
     return repair(mesh)
 
 
@@ -185,7 +185,7 @@ def numbered(mesh: Mesh, numbers: np.ndarray) -> np.ndarray:
     matched = order[place]
     wrong = numbers[mesh.vertex_ids[matched] != numbers]
     if len(wrong):
-        raise MeshError(f"{mesh.name}: has no vertex {wrong[0]}, which the result names; match again, then draw")
+        raise MeshError(f"{mesh.name}: has no vertex {wrong[0]}, which the result names; match again")
     return matched
 
 

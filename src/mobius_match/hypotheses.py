@@ -9,17 +9,19 @@ the Laplacian, curvature.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from .geometry.spectral import functional_map
 from .geometry.transport import Transport
+from .hints import ASTRAY, Hints
 from .matrix_processing import max_row_column
 from .mobius import homogeneous
 from .registration import Registration, register, stretching
+from .settings import MatchSettings
 from .surface import Surface
-from .voting import Votes
+from .voting import Votes, cast_votes
 from .voting.kernel import explained_pairs
 
 GROUP_RADIUS = 0.2
@@ -41,13 +43,23 @@ UPSAMPLING = (20, 30, 40, 50)
 COMPARED = 20
 """Number of eigenfunctions on which maps are compared with the Laplacian."""
 
-WEIGHTS = {"distances": 5.0, "laplacian": 3.0, "mean curvature": 1.0, "gauss curvature": 3.0, "votes": 2.0}
-"""What each kind of evidence counts."""
+WEIGHTS = {
+    "distances": 5.0,
+    "laplacian": 3.0,
+    "mean curvature": 1.0,
+    "gauss curvature": 3.0,
+    "votes": 2.0,
+    "landmarks": 20.0,
+}
+"""What each kind of evidence counts; the last is how far known pairs are sent elsewhere, where there are any."""
 
 CONTEST, STRETCH = 1.0, 20.0
 """Difference of badness up to which explanations are compared once more, and what stretching counts then."""
 
 CONTENDERS = 4
+
+CLOSE = 0.3
+"""Difference of two explanations' badness below which the choice between them is called close."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,6 +78,8 @@ class Explanation:
         The part of the best triplets that tell this explanation.
     registration
         The source bent along it, if that has been done.
+    hints
+        Pairs that are known, for bending.
     """
 
     image: np.ndarray
@@ -73,13 +87,16 @@ class Explanation:
     badness: float
     share: float
     registration: Registration | None = None
+    hints: Hints | None = None
 
     def registered(self, source: Surface, target: Surface) -> Registration:
         """The source bent onto the target along this explanation."""
-        return self.registration or register(source, target, finer_targets(source, target, self, source.proxy))
+        return self.registration or register(
+            source, target, finer_targets(source, target, self, source.proxy), hints=self.hints
+        )
 
 
-def explanations(source: Surface, target: Surface, votes: Votes) -> list[Explanation]:
+def explanations(source: Surface, target: Surface, votes: Votes, hints: Hints | None = None) -> list[Explanation]:
     """The explanations that the best triplets stand for, the best first.
 
     Parameters
@@ -88,16 +105,43 @@ def explanations(source: Surface, target: Surface, votes: Votes) -> list[Explana
         The surfaces.
     votes
         Votes of guided triplets on them. Without triplets there is no explanation.
+    hints
+        Pairs that are known: maps begin with them too, and are the worse the farther they send them elsewhere.
     """
     pairs = explained_pairs(homogeneous(source.positions), homogeneous(target.positions), votes.best1, votes.best2)
     found = []
     for group in group_triplets(pairs, target.normalized_distances, votes.totals):
-        image = spread_to_surface(source, target, _matches(pairs[group], votes.totals[group], len(target.samples)))
+        matches = _matches(pairs[group], votes.totals[group], len(target.samples))
+        image = spread_to_surface(source, target, matches, hints)
         evidence = compare(source, target, image)
         evidence["votes"] = float(np.log(votes.totals[0] / votes.totals[group[0]]))
+        if hints is not None:
+            astray = hints.astray(source, target, target.proxy[image])
+            evidence["landmarks"] = float(np.maximum(astray - ASTRAY, 0.0).mean())
         badness = sum(WEIGHTS[kind] * value for kind, value in evidence.items())
-        found.append(Explanation(target.proxy[image], evidence, badness, len(group) / len(pairs)))
+        found.append(Explanation(target.proxy[image], evidence, badness, len(group) / len(pairs), hints=hints))
     return sorted(found, key=lambda explanation: explanation.badness)
+
+
+def heeding(
+    source: Surface, target: Surface, votes: Votes, settings: MatchSettings, hints: Hints | None
+) -> tuple[Votes, list[Explanation]]:
+    """The explanations, best first, and the votes that they come from, in the light of what is known.
+
+    Where the votes lead to no explanation that agrees with the hints, they are cast once more with them. Where they do,
+    hints have no say in it: on shapes of other proportions distances from them mislead.
+    """
+    found = explanations(source, target, votes, hints)
+    if hints is None or (found and not found[0].evidence["landmarks"]):
+        return votes, found
+    votes = cast_votes(source, target, replace(settings, votes=votes.n_triplets), hints=hints)
+    found = sorted(found + explanations(source, target, votes, hints), key=lambda explanation: explanation.badness)
+    places, distinct = target.mesh.vertices / np.sqrt(target.area), found[:1]
+    for one in found[1:]:
+        apart = [np.linalg.norm(places[one.image] - places[other.image], axis=1).mean() for other in distinct]
+        if min(apart) >= GROUP_RADIUS / 2:
+            distinct.append(one)
+    return votes, distinct
 
 
 def contested(source: Surface, target: Surface, found: list[Explanation]) -> list[Explanation]:
@@ -112,8 +156,22 @@ def contested(source: Surface, target: Surface, found: list[Explanation]) -> lis
         registration = one.registered(source, target)
         evidence = one.evidence | {"stretch": stretching(source, target, registration)}
         more = evidence["stretch"] - (judged or [one])[0].evidence.get("stretch", evidence["stretch"])
-        judged.append(Explanation(one.image, evidence, one.badness + STRETCH * more, one.share, registration))
+        badness = one.badness + STRETCH * more
+        judged.append(replace(one, evidence=evidence, badness=badness, registration=registration))
     return sorted(judged + found[len(rivals) :], key=lambda explanation: explanation.badness)
+
+
+def doubts(found: list[Explanation]) -> list[str]:
+    """What a user should know of the choice between explanations, best first."""
+    if found and found[0].evidence.get("landmarks"):
+        return ["the landmarks fit with none of the explanations that were found: are they right? Look at the matches"]
+    if len(found) < 2 or found[1].badness - found[0].badness > CLOSE:
+        return []
+    margin = found[1].badness - found[0].badness
+    return [
+        f"another explanation of the two shapes is nearly as good (it lost by {margin:.2f}; below {CLOSE} is close): "
+        "look at the matches, and at the alternatives"
+    ]
 
 
 def group_triplets(
@@ -163,14 +221,15 @@ def _matches(pairs: np.ndarray, totals: np.ndarray, n2: int) -> np.ndarray:
     return max_row_column(votes)[0][:TRUSTED]
 
 
-def spread_to_surface(source: Surface, target: Surface, matches: np.ndarray) -> np.ndarray:
-    """A map of the whole proxy from matches of samples (q, 2): numbers (P1,) in the target's proxy."""
-    plan = Transport(
-        *(
-            np.exp(-surface.proxy_distances[matches[:, side]].T / (FEATURE_SCALE * np.sqrt(surface.area)))
-            for side, surface in enumerate((source, target))
-        )
-    ).plan
+def spread_to_surface(source: Surface, target: Surface, matches: np.ndarray, hints: Hints | None = None) -> np.ndarray:
+    """A map of the whole proxy from matches of samples (q, 2) and hints: numbers (P1,) in the target's proxy."""
+    features = []
+    for side, surface in enumerate((source, target)):
+        apart = surface.proxy_distances[matches[:, side]]
+        if hints is not None:
+            apart = np.concatenate([apart, hints.distances[side][:, surface.proxy]])
+        features.append(np.exp(-apart.T / (FEATURE_SCALE * np.sqrt(surface.area))))
+    plan = Transport(*features).plan
     first, second = (surface.eigenfunctions[surface.proxy] for surface in (source, target))
     for count in UPSAMPLING:
         # Each point is sent to the mean of the places that its mass goes to.

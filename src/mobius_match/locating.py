@@ -12,6 +12,7 @@ from .geometry.curvature import curvatures
 from .geometry.geodesics import nearest_centres
 from .geometry.points import SurfacePoints, closest_points
 from .geometry.spectral import nearest_rows
+from .hints import Hints
 from .hypotheses import group_triplets, rank_correlation
 from .mesh.measure import cross_products
 from .mesh.topology import boundary_edges
@@ -75,7 +76,7 @@ class Pair:
     In all that follows a landmark is a sample of the part together with the sample of the whole next to its image.
     """
 
-    def __init__(self, part: Surface, whole: Surface) -> None:
+    def __init__(self, part: Surface, whole: Surface, hints: Hints | None = None) -> None:
         self.part, self.whole = part, whole
         self.scale1, self.scale2 = np.sqrt(part.area), np.sqrt(whole.area)
         self.distances1, self.distances2 = (
@@ -91,6 +92,10 @@ class Pair:
         each = zip(self.curvatures1.T, self.curvatures2[whole.proxy].T, strict=True)
         unlike = sum(np.abs(mine[:, None] - theirs) for mine, theirs in each)
         self.costs = (APPEARANCE * np.minimum(unlike / self.curvatures1.shape[1], 3.0)).astype(np.float32)
+        self._hints = hints
+        if hints is not None:
+            astray = hints.disagreement(part, whole, part.proxy, whole.proxy)
+            self.costs += np.minimum(astray, CAP).astype(np.float32)
         self._triangles = self._wide_triangles()
         # Along the surface: in space a hand may be next to a thigh.
         self._home = nearest_centres(whole.mesh.vertices, whole.mesh.faces, whole.proxy)
@@ -177,7 +182,7 @@ class Pair:
 
     def bent(self, image: np.ndarray, rounds: int = ROUNDS) -> Registration:
         """The part bent onto the whole along a map of its proxy (P1,) to the whole's."""
-        return register(self.part, self.whole, self.whole.proxy[image], whole=False, rounds=rounds)
+        return register(self.part, self.whole, self.whole.proxy[image], whole=False, rounds=rounds, hints=self._hints)
 
     def landmarks(self, found: Registration) -> tuple[np.ndarray, np.ndarray]:
         """The landmarks that a registration places best: samples of the part and of the whole."""

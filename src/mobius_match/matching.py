@@ -11,9 +11,10 @@ from threadpoolctl import threadpool_limits
 
 from .confidence import chances, distances_of_places
 from .correspondence import Alternative, Correspondence
-from .errors import NothingFoundError
+from .errors import NothingFoundError, SettingsError
 from .geometry.points import SurfacePoints, closest_points
-from .hypotheses import TRUSTED, Explanation, contested, explanations, spread_to_surface
+from .hints import Hints, given_first, hints_of, through
+from .hypotheses import TRUSTED, Explanation, contested, doubts, heeding, spread_to_surface
 from .matrix_processing import linear_assignment, max_row_column, normalized, recover
 from .partial import PartPlaces, part_places
 from .preparing import each, finished, opened
@@ -34,15 +35,13 @@ CHANCE_THRESHOLD = 0.5
 ALIKE = 1.0
 """Badness of an explanation below which two surfaces are the same as wholes, and neither a part of the other."""
 
-CLOSE = 0.3
-"""Difference of two explanations' badness below which the choice between them is called close."""
-
 
 def match(
     source: Any,
     target: Any,
     *,
     preset: str | None = None,
+    landmarks: Any = None,
     cache: bool = False,
     progress: Progress | None = None,
     **settings: Any,
@@ -56,6 +55,10 @@ def match(
         file (.npz) of one, which keep the preparation that they were made with.
     preset
         ``"paper"`` for the settings of the publication.
+    landmarks
+        Pairs that are known: (k, 2) vertex numbers counting from 0, a file of pairs, or the source's and the target's
+        files of landmarks; see :func:`mobius_match.hints.hints_of`. They are in the result with confidence 1, and guide
+        all other matches.
     cache
         Take the surfaces of mesh files from the cache if they were prepared before, else keep them there. The result
         does not depend on it.
@@ -87,6 +90,9 @@ def match(
     2
     """
     chosen = make_settings(preset, **settings)
+    guided = chosen.proposal == "guided"
+    if landmarks is not None and not guided:
+        raise SettingsError("landmarks guide triplets, and uniform ones (the paper's) are not guided; leave one out")
     start = time.perf_counter()
     # Both are read and checked before the work on either begins.
     preparation = chosen.preparation()
@@ -101,15 +107,15 @@ def match(
     timings["preparation"] = time.perf_counter() - begin
     first, second = surfaces
     begin = time.perf_counter()
+    hints, notes = (None, []) if landmarks is None else hints_of(landmarks, first, second)
     votes = cast_votes(first, second, chosen, progress)
     timings["voting"] = time.perf_counter() - begin
     begin = time.perf_counter()
     # One BLAS thread: sums must not depend on the number of processors.
     with threadpool_limits(limits=1, user_api="blas"):
         # The paper's own voting knows whole surfaces only.
-        guided = chosen.proposal == "guided"
-        places, note = part_places(first, second, chosen.seed, chosen.jobs) if guided else (None, "")
-        seen = explanations(first, second, votes)
+        places, note = part_places(first, second, chosen.seed, chosen.jobs, hints) if guided else (None, "")
+        votes, seen = heeding(first, second, votes, chosen, hints)
         if places and seen and seen[0].badness < ALIKE:
             places, note = None, ""
         found = [] if places else contested(first, second, seen)
@@ -121,6 +127,7 @@ def match(
             matches = _explained(first, second, votes, found[0], chosen)
         else:
             matches = _voted(first, second, votes, chosen)
+        matches = given_first(matches, hints, second)
     if not len(matches["pairs"]):
         raise NothingFoundError(
             f"{first.mesh.name} and {second.mesh.name}: no match is likely enough to be right; lower --threshold, or "
@@ -132,7 +139,12 @@ def match(
         **matches,
         source_info=first.info,
         target_info=second.info,
-        settings={**chosen.to_dict(), "preset": preset, "votes": votes.n_triplets},
+        settings={
+            **chosen.to_dict(),
+            "preset": preset,
+            "votes": votes.n_triplets,
+            **({} if hints is None else {"landmarks": hints.pairs.tolist()}),
+        },
         timings=timings,
         software=dict(software()),
         diagnostics={
@@ -141,9 +153,9 @@ def match(
             "triplets": votes.n_triplets,
             "voting triplets": votes.n_voting,
         },
-        warnings=(*first.notes, *second.notes, *votes.warnings, *([note] if note else []), *_doubts(found)),
+        warnings=(*first.notes, *second.notes, *votes.warnings, *filter(None, [note]), *notes, *doubts(found)),
         others=partial(_alternatives, first, second, votes, found, chosen),
-        spread=partial(_spread, first, second, votes, places or found, chosen),
+        spread=partial(_spread, first, second, votes, places or found, chosen, hints),
         source=first,
         target=second,
         votes=votes,
@@ -215,7 +227,12 @@ def _reported(
 
 
 def _spread(
-    source: Surface, target: Surface, votes: Votes, found: list[Explanation] | PartPlaces, settings: MatchSettings
+    source: Surface,
+    target: Surface,
+    votes: Votes,
+    found: list[Explanation] | PartPlaces,
+    settings: MatchSettings,
+    hints: Hints | None,
 ) -> SurfaceMap:
     """The dense map under the chosen explanation; without one, under the matches of the samples."""
     from .dense.refine import dense_map
@@ -223,12 +240,12 @@ def _spread(
     with threadpool_limits(limits=1, user_api="blas"):
         if isinstance(found, PartPlaces):
             of_part = dense_map(found.part, found.whole, found.registration, whole=False)
-            return of_part if found.part_is_source else of_part.inverse
+            return through(of_part if found.part_is_source else of_part.inverse, hints)
         if not found:
             pairs, _ = _assign(votes.matrix, settings)
-            image = target.proxy[spread_to_surface(source, target, pairs[:TRUSTED])]
-            found = [Explanation(image, {}, 0.0, 1.0)]
-        return dense_map(source, target, found[0].registered(source, target))
+            image = target.proxy[spread_to_surface(source, target, pairs[:TRUSTED], hints)]
+            found = [Explanation(image, {}, 0.0, 1.0, hints=hints)]
+        return through(dense_map(source, target, found[0].registered(source, target)), hints)
 
 
 def _alternatives(
@@ -238,7 +255,7 @@ def _alternatives(
     with threadpool_limits(limits=1, user_api="blas"):
         return tuple(
             Alternative(
-                **_explained(source, target, votes, one, settings),
+                **given_first(_explained(source, target, votes, one, settings), one.hints, target),
                 margin=one.badness - found[0].badness,
                 share=one.share,
             )
@@ -275,13 +292,3 @@ def process(
 def _assign(matrix: np.ndarray, settings: MatchSettings) -> tuple[np.ndarray, np.ndarray]:
     choose = max_row_column if settings.assignment == "greedy" else linear_assignment
     return choose(normalized(matrix))
-
-
-def _doubts(found: list[Explanation]) -> list[str]:
-    if len(found) < 2 or found[1].badness - found[0].badness > CLOSE:
-        return []
-    margin = found[1].badness - found[0].badness
-    return [
-        f"another explanation of the two shapes is nearly as good (it lost by {margin:.2f}; below {CLOSE} is close): "
-        "look at the matches, and at the alternatives"
-    ]

@@ -16,6 +16,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from .geometry.points import SurfacePoints
+from .hints import Hints
 from .locating import Pair
 from .mesh.topology import boundary_edges
 from .registration import Registration
@@ -55,7 +56,9 @@ class PartPlaces:
     part_is_source: bool
 
 
-def part_places(source: Surface, target: Surface, seed: int, jobs: int | None = None) -> tuple[PartPlaces | None, str]:
+def part_places(
+    source: Surface, target: Surface, seed: int, jobs: int | None = None, hints: Hints | None = None
+) -> tuple[PartPlaces | None, str]:
     """Where the source's samples lie on the target, if one of the two is a part of the other.
 
     The part may be up to a third larger or smaller than the units of the files say, not more.
@@ -68,6 +71,8 @@ def part_places(source: Surface, target: Surface, seed: int, jobs: int | None = 
         Of the triplets.
     jobs
         Threads; None for as many as there are processors. The result does not depend on it.
+    hints
+        Pairs that are known.
 
     Returns
     -------
@@ -79,12 +84,14 @@ def part_places(source: Surface, target: Surface, seed: int, jobs: int | None = 
     if not is_part(source, target) and not is_part(target, source):
         return None, ""
     part, whole = (source, target) if source.area < target.area else (target, source)
+    if hints is not None and part is target:
+        hints = hints.inverse
     places, least, size = None, np.inf, 1.0
     with ThreadPoolExecutor(jobs or os.cpu_count() or 1) as pool:
         for scale in SCALES:
             if part.area * scale**2 > LARGEST * whole.area:
                 continue
-            pair = Pair(replace(part, area=whole.area / scale**2), whole)
+            pair = Pair(replace(part, area=whole.area / scale**2), whole, hints)
             found = pair.located(np.random.default_rng(seed), pool)
             if found is not None and pair.badness(found) < BETTER * least:
                 least, size = pair.badness(found), scale

@@ -19,6 +19,7 @@ from scipy.sparse.csgraph import connected_components, dijkstra
 from .geometry.laplacian import factorized
 from .geometry.rotations import nearest_rotations
 from .geometry.spectral import functional_map, nearest_rows
+from .hints import Hints, pinned
 from .mesh.measure import cross_products, vertex_sums
 from .surface import Surface
 
@@ -70,7 +71,13 @@ class Registration:
 
 
 def register(
-    source: Surface, target: Surface, image: np.ndarray, *, whole: bool = True, rounds: int = ROUNDS
+    source: Surface,
+    target: Surface,
+    image: np.ndarray,
+    *,
+    whole: bool = True,
+    rounds: int = ROUNDS,
+    hints: Hints | None = None,
 ) -> Registration:
     """Bend the source onto the target.
 
@@ -84,17 +91,25 @@ def register(
         Whether the source covers the target. If not, eigenfunctions do not count, and the target does not draw.
     rounds
         How often the nearest points are looked for at each weight.
+    hints
+        Pairs that are known: the source is pinned there.
     """
-    freed, torn = _register(source, target, image, whole, rounds, True)
+    freed, torn = _register(source, target, image, whole, rounds, True, hints)
     if not (torn and whole):
         return freed
     # A piece that was torn off by a few wrong points beside it is better believed: what stretches less is right.
-    believed, _ = _register(source, target, image, whole, rounds, False)
+    believed, _ = _register(source, target, image, whole, rounds, False, hints)
     return min(freed, believed, key=lambda one: stretching(source, target, one))
 
 
 def _register(
-    source: Surface, target: Surface, image: np.ndarray, whole: bool, rounds: int, freeing: bool
+    source: Surface,
+    target: Surface,
+    image: np.ndarray,
+    whole: bool,
+    rounds: int,
+    freeing: bool,
+    hints: Hints | None,
 ) -> tuple[Registration, bool]:
     """:func:`register` with torn pieces set free or not, and whether there were any."""
     centre = target.mesh.vertices.mean(axis=0)
@@ -110,13 +125,14 @@ def _register(
     tree = None if whole else scipy.spatial.cKDTree(goals)
     drawing = np.searchsorted(some, drawers)
     body = Body(here[source.proxy], source.proxy_edges)
+    pins = None if hints is None else hints.pins(source, target, there)
     places, positions, turns = there[image], there[image], np.empty(0)
     everything = np.ones(len(image), bool)
     held = body.held(places) if freeing else everything
     torn = not held.all()
     for trust in TRUST:
         if trust == TRUST[0]:
-            positions, turns = body.settle(positions, places, trust * held, SETTLING)
+            positions, turns = body.settle(positions, *pinned(pins, places, trust * held, turns), SETTLING)
             continue
         for _ in range(rounds):
             transfer = functional_map(spectral1[held], spectral2[image[held]])
@@ -128,7 +144,7 @@ def _register(
             drawing_to = [np.bincount(drawn, axis, len(image)) for axis in there[drawers].T]
             places = (np.stack(drawing_to, axis=1) + there[image]) / number[:, None]
             held = body.held(there[image]) if freeing and trust <= BELIEVED else everything
-            positions, turns = body.settle(positions, places, trust * held, STEPS)
+            positions, turns = body.settle(positions, *pinned(pins, places, trust * held, turns), STEPS)
     turned = np.einsum("ni,nij->nj", normals1, turns)
     found = Registration(
         image,

@@ -1,5 +1,6 @@
 """The command line in this process and in one of its own, and small meshes to give it."""
 
+import io
 import os
 import signal
 import subprocess
@@ -9,8 +10,14 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 import trimesh
+from PIL import Image
 
+import mobius_match as mm
 from mobius_match.cli import main
+from mobius_match.dense import SurfaceMap
+from mobius_match.geometry.points import SurfacePoints
+from mobius_match.mesh import repair
+from mobius_match.mesh.writing import mesh_files
 
 
 class Ended(NamedTuple):
@@ -106,3 +113,36 @@ def broken(tmp_path):
     path = tmp_path / "broken.off"
     path.write_text("OFF\n4 4 0\n0 0 0\n1 0 0\n")
     return path
+
+
+def at_vertices(mesh, vertices):
+    corner = np.empty(len(mesh.vertices), np.int64)
+    corner[mesh.faces.ravel()] = np.arange(3 * len(mesh.faces))
+    faces, place = corner[vertices] // 3, corner[vertices] % 3
+    return SurfacePoints(faces, mesh.faces[faces], np.eye(3)[place])
+
+
+@pytest.fixture(scope="module")
+def kept(shape, tmp_path_factory):
+    """A folder with a map of a dressed mesh to a renumbered copy, part of which has no counterpart."""
+    folder = tmp_path_factory.mktemp("kept")
+    vertices, faces = np.array(shape[0], np.float32).astype(float), np.array(shape[1])
+    rng = np.random.default_rng(0)
+    number = rng.permutation(len(vertices))
+    moved = np.empty_like(vertices)
+    moved[number] = vertices
+    picture = io.BytesIO()
+    Image.fromarray(rng.integers(0, 256, (8, 8, 3), dtype=np.uint8)).save(picture, "PNG")
+    colors = rng.integers(0, 256, (len(vertices), 4), dtype=np.uint8)
+    uv = (vertices[:, :2] / 10 + 0.5)[faces]
+    kept = {"colors": colors, "uv": uv, "image": picture.getvalue(), "labels": np.arange(len(faces)) % 7}
+    for path, content in {
+        **mesh_files(folder / "one.ply", vertices, faces, **kept),
+        **mesh_files(folder / "two.ply", moved, number[faces]),
+    }.items():
+        path.write_bytes(content)
+    one, two = (repair(mm.read_mesh(folder / name)) for name in ("one.ply", "two.ply"))
+    lost = moved[:, 2] > np.sort(moved[:, 2])[-40]
+    every = SurfaceMap(one, two, at_vertices(two, number), at_vertices(one, np.argsort(number)), ~lost[number], ~lost)
+    every.save(folder / "map.npz")
+    return folder, every, number, lost, kept

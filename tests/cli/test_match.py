@@ -151,3 +151,44 @@ def test_picture(mobius, pair, tmp_path):
     assert path.read_bytes().startswith(b"\x89PNG\r\n")
     assert json.loads(ended.out)
     assert [path] == list(tmp_path.iterdir())
+
+
+def test_landmarks_that_are_known(mobius, result, pair, tmp_path):
+    number = pair[2]
+    (tmp_path / "known.csv").write_text(f"source,target\n5,{number[5]}\n600,{number[600]}\n")
+    found = result("--landmarks", tmp_path / "known.csv")
+    first, second, *others = found["correspondences"]
+    for row, vertex in ((first, 5), (second, 600)):
+        assert (row["source"], row["target"], row["confidence"]) == (vertex, number[vertex], 1.0)
+        assert row["given"] is True
+    assert not any("given" in row for row in others)
+    assert found["settings"]["landmarks"] == [[5, number[5]], [600, number[600]]]
+    # The same pairs, in a file for each shape; and what is printed.
+    for name, vertices in (("one.csv", [5, 600]), ("two.csv", number[[5, 600]])):
+        (tmp_path / name).write_text("name,vertex\n" + "".join(f"n{k},{v}\n" for k, v in enumerate(vertices)))
+    files = ("--landmarks", tmp_path / "one.csv", "--landmarks", tmp_path / "two.csv")
+    assert result(*files)["correspondences"] == found["correspondences"]
+    ended = mobius("match", *pair[:2], *QUICK, *files)
+    assert ended.out.count("given") == 2
+
+
+@pytest.mark.parametrize(
+    ("text", "options", "code", "message"),
+    [
+        ("source,target\n1,642\n", (), 2, "has no vertex 642; it has 642, numbered from 0"),
+        ("source,target\n1,2\n1,3\n", (), 2, "vertex 1 of one.off is given 2 counterparts (2, 3)"),
+        ("source,target\n", (), 2, "there is no pair"),
+        ("source,target\n1,x\n", (), 3, "known.csv: line 2: 'x' is not a number"),
+        ("", (), 3, "known.csv: the file is empty"),
+        ("source,target\n1,2\n", ("--proposal", "uniform"), 2, "landmarks guide triplets"),
+        ("source,target\n1,2\n", ("-o", "known.csv"), 2, "is one of the inputs"),
+    ],
+)
+def test_bad_landmarks(mobius, pair, tmp_path, monkeypatch, text, options, code, message):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "known.csv").write_text(text)
+    ended = mobius("match", *pair[:2], *QUICK, "--landmarks", "known.csv", *options)
+    assert (ended.code, ended.out) == (code, ""), ended.err
+    assert message in ended.err
+    assert len(ended.err.splitlines()) == 1
+    assert (tmp_path / "known.csv").read_text() == text

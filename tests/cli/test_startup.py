@@ -19,7 +19,8 @@ main()
 """
 
 
-COMMANDS = ("match", "view", "info", "demo", "bench", "symmetry", "transfer", "morph", "prepare", "cache")
+COMMANDS = ("match", "view", "info", "demo", "bench", "symmetry", "convert", "landmarks", "transfer", "morph")
+COMMANDS += ("prepare", "cache")
 
 
 @pytest.mark.parametrize("arguments", [["--help"], ["--version"], *([name, "--help"] for name in COMMANDS)])

@@ -10,8 +10,10 @@ from .. import __version__
 from .bench import bench
 from .cache import cache
 from .common import guarded
+from .convert import convert
 from .demo import demo
 from .info import info
+from .landmarks import landmarks
 from .match import match
 from .morph import morph
 from .prepare import prepare
@@ -48,5 +50,5 @@ def mobius(
     """
 
 
-for command in (match, view, info, demo, bench, symmetry, transfer, morph, prepare, cache):
+for command in (match, view, info, demo, bench, symmetry, convert, landmarks, transfer, morph, prepare, cache):
     app.command()(guarded(command))

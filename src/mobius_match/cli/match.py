@@ -52,6 +52,14 @@ def match(
         Option(metavar="FILE.html", help="Write a page that shows both shapes and their matches, and --dense too."),
     ] = None,
     json: Annotated[bool, Option("--json", help="Print the result as JSON instead of a table.")] = False,
+    landmarks: Annotated[
+        list[Path] | None,
+        Option(
+            metavar="FILE",
+            help="Pairs that you know: a table with columns source and target (vertices from 0), or given twice, the "
+            "source's and the target's landmarks (.mrk.json, .fcsv, .tps, .pts, .pp, .csv ...), paired by name.",
+        ),
+    ] = None,
     samples: Annotated[int | None, Option(metavar="N", help="Sample points on each surface.  [default: 100]")] = None,
     votes: Annotated[
         int | None, Option(metavar="N", help="Triplets to evaluate.  [default: the program's choice]")
@@ -139,10 +147,10 @@ def match(
     given = {name: value for name, value in options.items() if value is not None}
     settings = merge(read_config(config) if config else {}, given)
     outputs = {"--output": output, "--dense": dense, "--picture": picture, "--html": html}
-    _check(settings, outputs, (source, target))
+    _check(settings, outputs, (source, target, *(landmarks or ())))
 
     with Reporter(quiet, verbose) as reporter:
-        result = run_match(source, target, reporter, settings, cache=not no_cache)
+        result = run_match(source, target, reporter, settings, cache=not no_cache, landmarks=landmarks or None)
         if picture is not None:
             write(picture, draw(result))
             reporter.notes([f"picture written to {picture}"])
@@ -168,13 +176,21 @@ def match(
 
 
 def run_match(
-    source: Path, target: Path, reporter: Reporter, settings: dict[str, Any], *, cache: bool = False
+    source: Path,
+    target: Path,
+    reporter: Reporter,
+    settings: dict[str, Any],
+    *,
+    cache: bool = False,
+    landmarks: list[Path] | None = None,
 ) -> Correspondence:
     """Match two files with progress, and with what was noted on the way shown."""
     from ..matching import match as match_surfaces
 
     with reporter.compiling():
-        result = match_surfaces(source, target, cache=cache, progress=reporter.progress, **settings)
+        result = match_surfaces(
+            source, target, landmarks=landmarks, cache=cache, progress=reporter.progress, **settings
+        )
     for surface in (result.source, result.target):
         reporter.notes(prepared_otherwise(surface, settings))
     reporter.notes(result.warnings)
@@ -212,7 +228,7 @@ def write_map(result: Correspondence, path: Path) -> str:
     return f"dense map written to {path}: {quality(found)}"
 
 
-def _check(settings: dict[str, Any], outputs: dict[str, Path | None], inputs: tuple[Path, Path]) -> None:
+def _check(settings: dict[str, Any], outputs: dict[str, Path | None], inputs: tuple[Path, ...]) -> None:
     from ..errors import SettingsError
     from ..settings import make_settings
 
@@ -243,6 +259,7 @@ def _table(result: Correspondence) -> Table:
     table.add_column("confidence", justify="right")
     table.add_column("kind")
     rows = zip(result.pairs.tolist(), result.confidence.tolist(), result.kind.tolist(), strict=True)
+    given = 0 if result.given is None else int(result.given.sum())
     for number, ((i, j), confidence, kind) in enumerate(rows, start=1):
-        table.add_row(str(number), str(i), str(j), f"{confidence:.3f}", kind)
+        table.add_row(str(number), str(i), str(j), f"{confidence:.3f}", "given" if number <= given else kind)
     return table

@@ -191,19 +191,13 @@ class _Load:
                 self._add_labels(array)
 
     def _carry(self, path: Path, given: Landmarks) -> None:
-        from ..dense.tables import Landmarks
-
-        if given.places is None:
-            points = self.carrier.at_vertices(given.vertices)
-        else:
-            points, apart = self.carrier.snapped(given.places)
+        self.landmarks, apart = self.carrier.landmarks(given)
+        if given.points is not None:
             self.notes.append(
                 f"{path}: {len(given)} points moved onto the surface of {self.carrier.source.name}, "
                 f"by {apart.max(initial=0):.3g} at most"
             )
-        places, vertices = self.carrier.points(points)
-        self.landmarks = Landmarks(given.names, vertices, places)
-        self._lost(int((vertices < 0).sum()), "points", "NaN and vertex -1")
+        self._lost(int((self.landmarks.vertices < 0).sum()), "points", "NaN and vertex -1")
 
     def _lost(self, number: int, what: str, how: str) -> None:
         if number:
@@ -268,7 +262,7 @@ class _Load:
         if "positions" in arrays:
             arrays["faces"] = self.carrier.source.faces
         if self.landmarks is not None:
-            arrays |= {"points": self.landmarks.places, "vertices": self.landmarks.vertices}
+            arrays |= {"points": self.landmarks.points, "vertices": self.landmarks.vertices}
             arrays |= {"names": np.array(self.landmarks.names)} if self.landmarks.names else {}
         buffer = io.BytesIO()
         np.savez(buffer, allow_pickle=False, **arrays)

@@ -14,7 +14,7 @@ import numpy as np
 
 from ..correspondence import write_atomically
 from ..errors import FormatError, SettingsError
-from ..geometry.points import SurfacePoints, closest_points
+from ..geometry.points import SurfacePoints, closest_points, points_at
 from ..mesh import Mesh
 
 FORMAT = "mobius-match/map"
@@ -96,6 +96,14 @@ class SurfaceMap:
         exact = np.flatnonzero(points.barycentric.max(axis=1) == 1.0)
         images = images.replaced(exact, self.points[points.nearest[exact]])
         return images, (self.found[points.corners] | (points.barycentric == 0)).all(axis=1)
+
+    def through(self, here: np.ndarray, there: np.ndarray) -> SurfaceMap:
+        """The map that takes vertices (k,) of the source to vertices (k,) of the target and back, else the same."""
+        found, back_found = self.found.copy(), self.back_found.copy()
+        found[here] = back_found[there] = True
+        points = self.points.replaced(here, points_at(self.target.faces, there))
+        back = self.back.replaced(there, points_at(self.source.faces, here))
+        return SurfaceMap(self.source, self.target, points, back, found, back_found)
 
     def transfer(self, values: np.ndarray) -> np.ndarray:
         """Carry values at the source's vertices to the target's: numbers, vectors or colours, linear within faces.

@@ -27,26 +27,34 @@ class Landmarks:
     names
         A name for each, or an empty list.
     vertices
-        (q,) int64 vertex numbers, or None where there are places alone.
-    places
-        (q, 3) float64, or None where there are vertex numbers alone.
+        (q,) int64 vertex numbers, or None where there are points alone.
+    points
+        (q, 3) float64 coordinates, NaN for a landmark that is missing, or None where there are vertex numbers alone.
+    specimen
+        Whose landmarks they are, where that is known.
     """
 
     names: list[str]
     vertices: Any
-    places: Any
+    points: Any
+    specimen: str = ""
 
     def __len__(self) -> int:
-        return len(self.places if self.vertices is None else self.vertices)
+        return len(self.points if self.vertices is None else self.vertices)
+
+    def __getitem__(self, rows: np.ndarray) -> Landmarks:
+        names = [self.names[i] for i in np.arange(len(self))[rows]] if self.names else []
+        vertices, points = (None if values is None else values[rows] for values in (self.vertices, self.points))
+        return Landmarks(names, vertices, points, self.specimen)
 
     def text(self) -> bytes:
         """The landmarks as CSV: name (if there are names), vertex, x, y, z."""
         columns: dict[str, list[str]] = {"name": self.names} if self.names else {}
         if self.vertices is not None:
             columns["vertex"] = [str(number) for number in self.vertices.tolist()]
-        if self.places is not None:
+        if self.points is not None:
             columns |= {
-                name: [repr(x) for x in column.tolist()] for name, column in zip("xyz", self.places.T, strict=True)
+                name: [repr(x) for x in column.tolist()] for name, column in zip("xyz", self.points.T, strict=True)
             }
         out = io.StringIO()
         writer = csv.writer(out, lineterminator="\n")
@@ -81,9 +89,27 @@ def read_table(path: Path) -> dict[str, np.ndarray] | Landmarks:
         text = path.read_text(encoding="utf-8-sig")
     except (OSError, ValueError, EOFError, zipfile.BadZipFile) as error:
         raise FormatError(f"{path}: cannot be read ({error}). Check the path, or write it again.") from error
+    heads, rows = split_rows(path, text)
+    if "vertex" in heads or {"x", "y", "z"} <= set(heads):
+        return _landmarks(path, heads, rows)
+    table = numbers(path, rows, range(len(rows[0][1]) if rows else len(heads)))
+    return {path.stem: table[:, 0] if table.shape[1] == 1 else table}
+
+
+def split_rows(path: Path, text: str) -> tuple[list[str], list[tuple[int, list[str]]]]:
+    """The headings of a table in lower case, none if its first row is of numbers, and its rows with their lines.
+
+    Raises
+    ------
+    FormatError
+        If there is no row, or one has more or fewer columns than the first; the message names the line.
+    """
     lines = [(number, line) for number, line in enumerate(text.splitlines(), 1) if line.strip() and line[0] != "#"]
     mark = next((mark for mark in ",;\t" if lines and mark in lines[0][1]), None)
-    rows = [(n, line.split() if mark is None else next(csv.reader([line], delimiter=mark))) for n, line in lines]
+    try:
+        rows = [(n, line.split() if mark is None else next(csv.reader([line], delimiter=mark))) for n, line in lines]
+    except csv.Error as error:
+        raise FormatError(f"{path}: not a table ({error}).") from error
     rows = [(number, [cell.strip() for cell in row]) for number, row in rows]
     if not rows:
         raise FormatError(f"{path}: the file is empty; it needs a row of numbers for each vertex, face or landmark.")
@@ -92,10 +118,7 @@ def read_table(path: Path) -> dict[str, np.ndarray] | Landmarks:
         if len(row) != width:
             raise FormatError(f"{path}: line {number} has {len(row)} columns, and the first has {width}.")
     heads = [cell.lower() for cell in rows[0][1]] if any(_number(cell) is None for cell in rows[0][1]) else []
-    if "vertex" in heads or {"x", "y", "z"} <= set(heads):
-        return _landmarks(path, heads, rows[1:])
-    table = _numbers(path, rows[1:] if heads else rows, range(width))
-    return {path.stem: table[:, 0] if width == 1 else table}
+    return heads, rows[1:] if heads else rows
 
 
 def as_landmarks(path: Path, arrays: dict[str, np.ndarray]) -> Landmarks | None:
@@ -114,19 +137,25 @@ def text_of(values: np.ndarray) -> bytes:
 
 def _landmarks(path: Path, heads: list[str], rows: list[tuple[int, list[str]]]) -> Landmarks:
     names = [row[heads.index("name")] for _, row in rows] if "name" in heads else []
-    places = vertices = None
+    points = vertices = None
     if {"x", "y", "z"} <= set(heads):
-        places = _numbers(path, rows, [heads.index(name) for name in "xyz"]).astype(np.float64)
+        points = numbers(path, rows, [heads.index(name) for name in "xyz"]).astype(np.float64)
     if "vertex" in heads:
-        column = _numbers(path, rows, [heads.index("vertex")])[:, 0]
+        column = numbers(path, rows, [heads.index("vertex")])[:, 0]
         if column.dtype.kind != "i":
             raise FormatError(f"{path}: the column 'vertex' has a number that is not whole.")
         vertices = column
-    return Landmarks(names, vertices, places)
+    return Landmarks(names, vertices, points)
 
 
-def _numbers(path: Path, rows: list[tuple[int, list[str]]], columns: list[int] | range) -> np.ndarray:
-    """The numbers in some columns (rows, columns): int64 if all are whole and written so, else float64."""
+def numbers(path: Path, rows: list[tuple[int, list[str]]], columns: list[int] | range) -> np.ndarray:
+    """The numbers in some columns (rows, columns): int64 if all are whole and written so, else float64.
+
+    Raises
+    ------
+    FormatError
+        If a cell is no number; the message names the line.
+    """
     for number, row in rows:
         for column in columns:
             if _number(row[column]) is None:

@@ -12,6 +12,7 @@ from ..geometry.points import SurfacePoints, closest_points
 from ..mesh import Mesh, read_mesh, unchanged
 from ..mesh.measure import box_scale, twins
 from .surface_map import SurfaceMap
+from .tables import Landmarks
 
 GREY = np.array([204, 207, 212, 255], np.uint8)
 """Colour of what has no counterpart."""
@@ -163,6 +164,23 @@ class Carrier:
         vertices = self.map.target.vertex_ids[images.nearest]
         places[~found], vertices[~found] = np.nan, -1
         return places, vertices
+
+    def landmarks(self, given: Landmarks) -> tuple[Landmarks, np.ndarray]:
+        """Carry landmarks, from the point of the source nearest to each.
+
+        Returns
+        -------
+        carried
+            Points of the target and its nearest vertices; NaN and -1 for those without counterpart.
+        apart
+            (q,) float64: how far off the source's surface each was, in the mesh's units.
+        """
+        if given.points is None:
+            points, apart = self.at_vertices(given.vertices), np.zeros(len(given))
+        else:
+            points, apart = self.snapped(given.points)
+        places, vertices = self.points(points)
+        return Landmarks(given.names, vertices, places), apart
 
     def at_vertices(self, vertices: np.ndarray) -> SurfacePoints:
         """Vertices (q,) of the source as points; those that are in no face are replaced by the nearest point."""

@@ -55,6 +55,14 @@ class SurfacePoints:
         return SurfacePoints(*parts)
 
 
+def points_at(faces: np.ndarray, vertices: np.ndarray) -> SurfacePoints:
+    """Vertices (q,) of a mesh with faces (m, 3), in each of which one is, as points."""
+    corner = np.zeros(faces.max() + 1, np.int64)
+    corner[faces.ravel()[::-1]] = np.arange(faces.size)[::-1]
+    found, place = np.divmod(corner[vertices], 3)
+    return SurfacePoints(found, faces[found], np.eye(3)[place])
+
+
 def closest_points(
     positions: np.ndarray, faces: np.ndarray, queries: np.ndarray, vertices: np.ndarray
 ) -> SurfacePoints:

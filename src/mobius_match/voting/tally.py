@@ -16,6 +16,7 @@ from typing import Any
 
 import numpy as np
 
+from ..hints import Hints
 from ..mobius import homogeneous
 from ..settings import MatchSettings
 from ..surface import Progress, Surface
@@ -42,6 +43,10 @@ SETTLED = 0.98
 
 WEIGHT_SCALE = 0.15
 """Difference of geodesic distances per sqrt(area) at which the weight of a pair has fallen to 1 / e."""
+
+HINT_SCALE, HINT_TOLERANCE = 0.15, 0.25
+"""Mean difference of distances from the hints, per sqrt(area), at which the weight of a pair has fallen to 1 / e, and
+above which it is not drawn."""
 
 WEIGHT_POWER = 6.0
 """Power of the sum of a triplet's weights that its votes are worth."""
@@ -103,7 +108,13 @@ Batch = Callable[[np.random.SeedSequence, int], Votes]
 """Takes a random stream and a number of triplets."""
 
 
-def cast_votes(source: Surface, target: Surface, settings: MatchSettings, progress: Progress | None = None) -> Votes:
+def cast_votes(
+    source: Surface,
+    target: Surface,
+    settings: MatchSettings,
+    progress: Progress | None = None,
+    hints: Hints | None = None,
+) -> Votes:
     """Run Algorithm 2 on two prepared surfaces.
 
     Parameters
@@ -114,9 +125,11 @@ def cast_votes(source: Surface, target: Surface, settings: MatchSettings, progre
         How triplets are drawn and weighed, how many, the seed, and how many threads.
     progress
         Called as ``progress("voting", batches done, batches)``.
+    hints
+        Pairs that are known, for guided triplets: what is not as far from them on both surfaces is not matched.
     """
-    make_batch = _guided if settings.proposal == "guided" else _uniform
-    batch, warnings = make_batch(source, target, settings)
+    guided = settings.proposal == "guided"
+    batch, warnings = _guided(source, target, settings, hints) if guided else _uniform(source, target, settings)
     total = settings.number_of_votes()
     # Batches of one size: what was drawn until the votes settled is what the same number of triplets gives.
     size = BATCH if settings.proposal == "guided" else min(LARGEST_BATCH, -(-total // LEAST_BATCHES))
@@ -171,12 +184,18 @@ def _uniform(source: Surface, target: Surface, settings: MatchSettings) -> tuple
     return batch, ()
 
 
-def _guided(source: Surface, target: Surface, settings: MatchSettings) -> tuple[Batch, tuple[str, ...]]:
+def _guided(
+    source: Surface, target: Surface, settings: MatchSettings, hints: Hints | None
+) -> tuple[Batch, tuple[str, ...]]:
     geodesics1, geodesics2 = source.normalized_distances, target.normalized_distances
     points1, points2 = homogeneous(source.positions), homogeneous(target.positions)
     similarity = signature_similarity(source.signatures, target.signatures)
+    astray = None
+    if hints is not None:
+        astray = hints.disagreement(source, target, source.samples, target.samples)
+        similarity = similarity * np.exp(-((astray / HINT_SCALE) ** 2))
     least_pairs = int(np.ceil((settings.min_fraction or 0.0) * min(similarity.shape)))
-    draw, warnings = _proposals(source, target)
+    draw, warnings = _proposals(source, target, astray)
     weigh = partial(
         vote_weighted,
         points1,
@@ -200,16 +219,21 @@ def _guided(source: Surface, target: Surface, settings: MatchSettings) -> tuple[
     return batch, warnings
 
 
-def _proposals(source: Surface, target: Surface) -> tuple[Callable[..., Any], tuple[str, ...]]:
+def _proposals(
+    source: Surface, target: Surface, astray: np.ndarray | None
+) -> tuple[Callable[..., Any], tuple[str, ...]]:
     """The drawing of guided triplets, with tolerances as tight as still let most draws succeed."""
     central1, central2 = source.average_distances, target.average_distances
     trial = 200
     for widening in (1, 2, 4, 8):
+        allowed = np.abs(central1[:, None] - central2) <= widening * CENTRALITY_TOLERANCE * central1[:, None]
+        if astray is not None:
+            allowed &= astray <= widening * HINT_TOLERANCE
         draw = partial(
             guided_triplets,
             geodesics1=source.normalized_distances,
             geodesics2=target.normalized_distances,
-            allowed=np.abs(central1[:, None] - central2) <= widening * CENTRALITY_TOLERANCE * central1[:, None],
+            allowed=allowed,
             least_spread=LEAST_SPREAD / widening,
             tolerance=widening * LENGTH_TOLERANCE,
         )
