@@ -103,7 +103,7 @@ def test_contenders_are_compared_once_more_by_how_much_they_stretch(surface):
     rivals = [Explanation(turned, {}, 1.0, 0.5), right, Explanation(mixed, {}, 3.0, 0.1)]
     judged = contested(surface, surface, rivals)
     assert judged[0].image is right.image
-    assert judged[0].evidence["stretch"] < judged[1].evidence["stretch"]
+    assert judged[0].evidence["strain"] < judged[1].evidence["strain"]
     assert judged[0].registration is judged[0].registered(surface, surface)
     assert judged[2] is rivals[2], "too far behind to be looked at"
     alone = contested(surface, surface, [right])[0]

@@ -20,9 +20,9 @@ from .geometry.transport import Transport
 from .hints import ASTRAY, Hints
 from .mobius import homogeneous
 from .preparing import each
-from .registration import Registration, register, stretching
+from .registration import Registration, register, sketched, strain
 from .settings import MatchSettings
-from .surface import Surface
+from .surface import Progress, Surface
 from .voting import Votes, cast_votes
 from .voting.groups import GROUP_RADIUS, agreed_matches, group_triplets, purest_half
 from .voting.kernel import explained_pairs
@@ -38,8 +38,8 @@ UPSAMPLING = (20, 30, 40, 50)
 DESCRIPTORS = 0.4
 """How much the descriptors of points count against their eigenfunctions, by root mean square."""
 
-HARD, NEARLY = 2.5, 1.5
-"""Badness of the best explanation above which other starts are tried, for those whose badness is up to so much more."""
+HARD = 2.5
+"""Badness of the best explanation above which contenders are begun in other ways too."""
 
 COMPARED = 20
 """Number of eigenfunctions on which maps are compared with the Laplacian."""
@@ -57,9 +57,6 @@ WEIGHTS = {
 CONTEST, CONTENDERS = 1.5, 4
 """Difference of badness up to which explanations are compared once more, and how many at most."""
 
-BENT = {"stretch": 60.0, "turn": 20.0}
-"""What counts then: how much the bent source is stretched, and how far its normals are from the target's."""
-
 CLOSE = 0.3
 """Difference of two explanations' badness below which the choice between them is called close."""
 
@@ -73,7 +70,7 @@ class Explanation:
     image
         (P1,) int64: target vertex of each vertex of the source's proxy.
     evidence
-        How badly it fits, by kind: 0 is perfect.
+        How badly it fits, by kind: 0 is perfect; "strain", where it was contested, against that of the first.
     badness
         The weighted sum of the evidence; the smallest wins.
     share
@@ -91,10 +88,10 @@ class Explanation:
     registration: Registration | None = None
     hints: Hints | None = None
 
-    def registered(self, source: Surface, target: Surface) -> Registration:
+    def registered(self, source: Surface, target: Surface, jobs: int | None = 1) -> Registration:
         """The source bent onto the target along this explanation."""
         return self.registration or register(
-            source, target, finer_targets(source, target, self, source.proxy), hints=self.hints
+            source, target, finer_targets(source, target, self, source.proxy), hints=self.hints, jobs=jobs
         )
 
 
@@ -137,11 +134,13 @@ def explanations(
     least = min((one.badness for one in found), default=0.0)
     if least > HARD:
         # The shapes differ, and a map that began well may have gone astray. Other ways to begin do not go astray alike.
-        near = [i for i, one in enumerate(found) if one.badness <= least + NEARLY]
+        order = sorted(range(len(found)), key=lambda i: found[i].badness)[:CONTENDERS]
+        near = [i for i in order if found[i].badness <= least + CONTEST]
         tasks = [
             (i, part, backward)
             for i in near
-            for part, backward in product((groups[i], purest_half(pairs, distances, groups[i])), (False, True))
+            for part, backward in product((groups[i], purest_half(pairs, distances, groups[i])), (True, False))
+            if backward or part is not groups[i]
         ]
         others = each(lambda k, _: explained(groups[tasks[k][0]], *tasks[k][1:]), len(tasks), jobs, None)
         for (i, _, _), other in zip(tasks, others, strict=True):
@@ -177,15 +176,19 @@ def contested(source: Surface, target: Surface, found: list[Explanation], jobs: 
     are. Their badness changes by how much worse they are bent than the first of them. The winner has been bent.
     """
     rivals = [one for one in found[:CONTENDERS] if one.badness - found[0].badness <= CONTEST]
-    registrations = each(lambda i, _: rivals[i].registered(source, target), len(rivals), jobs, None)
-    judged: list[Explanation] = []
-    first = dict.fromkeys(BENT, 0.0)
-    for one, registration in zip(rivals, registrations, strict=True):
-        bent = {"stretch": stretching(source, target, registration), "turn": float(registration.turn.mean())}
-        first = first if judged else bent
-        badness = one.badness + sum(weight * (bent[kind] - first[kind]) for kind, weight in BENT.items())
-        judged.append(replace(one, evidence=one.evidence | bent, badness=badness, registration=registration))
-    return sorted(judged + found[len(rivals) :], key=badness_of)
+
+    def strained(i: int, _: Progress) -> float:
+        first, second = _brought_together(source, target, rivals[i])
+        image = target.proxy[_transport(source, target, first[source.proxy], second[target.proxy]).plan.argmax(axis=1)]
+        return strain(source, target, sketched(source, target, image, rivals[i].hints))
+
+    if len(rivals) > 1:
+        strains = each(strained, len(rivals), jobs, None)
+        for i, more in enumerate(np.subtract(strains, strains[0]).tolist()):
+            evidence = rivals[i].evidence | {"strain": more}
+            rivals[i] = replace(rivals[i], evidence=evidence, badness=rivals[i].badness + more)
+    judged = sorted(rivals + found[len(rivals) :], key=badness_of)
+    return [replace(one, registration=one.registered(source, target, jobs)) for one in judged[:1]] + judged[1:]
 
 
 def doubts(found: list[Explanation]) -> list[str]:
@@ -267,9 +270,14 @@ def rank_correlation(first: np.ndarray, second: np.ndarray) -> float:
 
 def finer_targets(source: Surface, target: Surface, explanation: Explanation, vertices: np.ndarray) -> np.ndarray:
     """Where an explanation sends vertices of the source, no longer bound to samples: target vertices (q,) int64."""
-    transfer = functional_map(source.eigenfunctions[source.proxy], target.eigenfunctions[explanation.image])
-    first, second = source.eigenfunctions @ transfer, target.eigenfunctions
+    first, second = _brought_together(source, target, explanation)
     of_proxy, everywhere = second[target.proxy], np.arange(len(second))
     return _transport(source, target, first[source.proxy], of_proxy).images(
         _described(source, vertices, first[vertices], of_proxy), _described(target, everywhere, second, of_proxy)
     )
+
+
+def _brought_together(source: Surface, target: Surface, explanation: Explanation) -> tuple[np.ndarray, np.ndarray]:
+    """Eigenfunctions (n1, k) of the source, as an explanation sees them on the target, and the target's (n2, k)."""
+    transfer = functional_map(source.eigenfunctions[source.proxy], target.eigenfunctions[explanation.image])
+    return source.eigenfunctions @ transfer, target.eigenfunctions
