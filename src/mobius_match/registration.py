@@ -39,6 +39,9 @@ NORMAL, SPECTRAL, DESCRIPTOR = 0.15, 0.02, 0.07
 STRAIN, LITTLE = {"stretch": 16.0, "turn": 2.0}, {"stretch": 0.01, "turn": 0.001}
 """What the logarithm of each kind of strain counts, and how much of it is as good as none."""
 
+NO_LENGTH = 1e-6
+"""Added to lengths per sqrt(area), so that they have a logarithm."""
+
 TEAR = 0.07
 """How much longer than the edge its image is, per sqrt(area), where the map is torn."""
 
@@ -166,13 +169,17 @@ def _register(
     )
 
 
-def stretching(source: Surface, target: Surface, registration: Registration) -> float:
-    """How much the edges of the proxy are stretched or pressed: the mean of the logarithm's absolute value."""
+def edge_stretches(source: Surface, target: Surface, registration: Registration) -> np.ndarray:
+    """Logarithms (E,) of how many times longer the edges of the proxy have become, both surfaces having area 1."""
     start, end = source.proxy_edges.T
     rest, bent = source.mesh.vertices[source.proxy], registration.positions
     before, after = (np.linalg.norm(points[start] - points[end], axis=1) for points in (rest, bent))
-    before, after = before / np.sqrt(source.area) + 1e-6, after / np.sqrt(target.area) + 1e-6
-    return float(np.abs(np.log(after / before)).mean())
+    return np.asarray(np.log((after / np.sqrt(target.area) + NO_LENGTH) / (before / np.sqrt(source.area) + NO_LENGTH)))
+
+
+def stretching(source: Surface, target: Surface, registration: Registration) -> float:
+    """How much the edges of the proxy are stretched or pressed: the mean of the logarithm's absolute value."""
+    return float(np.abs(edge_stretches(source, target, registration)).mean())
 
 
 def strain(source: Surface, target: Surface, registration: Registration) -> float:
