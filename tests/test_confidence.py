@@ -24,7 +24,7 @@ def test_a_copy_has_nothing_against_it(copy):
     distances = distances_of_places(surface, surface, registration)
     np.testing.assert_allclose(distances, surface.distances, atol=0.02 * surface.diameter)
     found = evidence(surface, surface, registration, votes, distances)
-    for kind in ("distances", "descriptor", "misfit", "turn"):
+    for kind in ("distances", "misfit", "stretch"):
         assert found[kind].max() < 0.015, kind
     np.testing.assert_allclose(found["votes"], 1, atol=0.1)
     assert chances(surface, surface, registration, votes, distances).min() > 0.98

@@ -12,11 +12,11 @@ from mobius_match.hypotheses import (
     contested,
     explanations,
     finer_targets,
-    group_triplets,
-    spread_to_surface,
+    spread,
 )
 from mobius_match.settings import MatchSettings
 from mobius_match.voting import cast_votes
+from mobius_match.voting.groups import group_triplets
 from tests.shapes import lump, renumbered
 
 
@@ -42,7 +42,7 @@ def test_triplets_that_share_no_pair_tell_different_things():
 
 def test_identity_spreads_to_the_identity_and_has_nothing_against_it(surface):
     matches = np.stack([np.arange(40), np.arange(40)], axis=1)
-    image = spread_to_surface(surface, surface, matches)
+    image = spread(surface, surface, matches).argmax(axis=1)
     np.testing.assert_array_equal(image, np.arange(len(surface.proxy)))
     evidence = compare(surface, surface, image)
     assert set(evidence) | {"votes", "landmarks"} == set(WEIGHTS)
@@ -103,7 +103,7 @@ def test_contenders_are_compared_once_more_by_how_much_they_stretch(surface):
     rivals = [Explanation(turned, {}, 1.0, 0.5), right, Explanation(mixed, {}, 3.0, 0.1)]
     judged = contested(surface, surface, rivals)
     assert judged[0].image is right.image
-    assert judged[0].evidence["stretch"] < judged[1].evidence["stretch"]
+    assert judged[0].evidence["strain"] < judged[1].evidence["strain"]
     assert judged[0].registration is judged[0].registered(surface, surface)
     assert judged[2] is rivals[2], "too far behind to be looked at"
     alone = contested(surface, surface, [right])[0]

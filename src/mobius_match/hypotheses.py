@@ -10,35 +10,36 @@ the Laplacian, curvature.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from itertools import product
+from operator import attrgetter
 
 import numpy as np
 
 from .geometry.spectral import functional_map
 from .geometry.transport import Transport
 from .hints import ASTRAY, Hints
-from .matrix_processing import max_row_column
 from .mobius import homogeneous
-from .registration import Registration, register, stretching
+from .preparing import each
+from .registration import Registration, register, sketched, strain
 from .settings import MatchSettings
-from .surface import Surface
+from .surface import Progress, Surface
 from .voting import Votes, cast_votes
+from .voting.groups import GROUP_RADIUS, agreed_matches, group_triplets, purest_half
 from .voting.kernel import explained_pairs
 
-GROUP_RADIUS = 0.2
-"""Two triplets tell the same if they send the samples to places that differ by less, on average, per sqrt(area)."""
-
-LEAST_SHARE = 0.6
-"""Groups whose best triplet weighs less than this part of the best of all are not examined."""
-
-MOST_GROUPS = 8
-TRUSTED = 60
-"""How many of a group's matches its map is made from."""
+badness_of = attrgetter("badness")
 
 FEATURE_SCALE = 0.3
 """Distance per sqrt(area) over which a match has a say in the first map."""
 
 UPSAMPLING = (20, 30, 40, 50)
 """Numbers of eigenfunctions from one refinement of the map to the next."""
+
+DESCRIPTORS = 0.4
+"""How much the descriptors of points count against their eigenfunctions, by root mean square."""
+
+HARD = 2.5
+"""Badness of the best explanation above which contenders are begun in other ways too."""
 
 COMPARED = 20
 """Number of eigenfunctions on which maps are compared with the Laplacian."""
@@ -53,10 +54,8 @@ WEIGHTS = {
 }
 """What each kind of evidence counts; the last is how far known pairs are sent elsewhere, where there are any."""
 
-CONTEST, STRETCH = 1.0, 20.0
-"""Difference of badness up to which explanations are compared once more, and what stretching counts then."""
-
-CONTENDERS = 4
+CONTEST, CONTENDERS = 1.5, 4
+"""Difference of badness up to which explanations are compared once more, and how many at most."""
 
 CLOSE = 0.3
 """Difference of two explanations' badness below which the choice between them is called close."""
@@ -71,7 +70,7 @@ class Explanation:
     image
         (P1,) int64: target vertex of each vertex of the source's proxy.
     evidence
-        How badly it fits, by kind: 0 is perfect.
+        How badly it fits, by kind: 0 is perfect; "strain", where it was contested, against that of the first.
     badness
         The weighted sum of the evidence; the smallest wins.
     share
@@ -89,14 +88,16 @@ class Explanation:
     registration: Registration | None = None
     hints: Hints | None = None
 
-    def registered(self, source: Surface, target: Surface) -> Registration:
+    def registered(self, source: Surface, target: Surface, jobs: int | None = 1) -> Registration:
         """The source bent onto the target along this explanation."""
         return self.registration or register(
-            source, target, finer_targets(source, target, self, source.proxy), hints=self.hints
+            source, target, finer_targets(source, target, self, source.proxy), hints=self.hints, jobs=jobs
         )
 
 
-def explanations(source: Surface, target: Surface, votes: Votes, hints: Hints | None = None) -> list[Explanation]:
+def explanations(
+    source: Surface, target: Surface, votes: Votes, hints: Hints | None = None, jobs: int | None = 1
+) -> list[Explanation]:
     """The explanations that the best triplets stand for, the best first.
 
     Parameters
@@ -107,20 +108,44 @@ def explanations(source: Surface, target: Surface, votes: Votes, hints: Hints | 
         Votes of guided triplets on them. Without triplets there is no explanation.
     hints
         Pairs that are known: maps begin with them too, and are the worse the farther they send them elsewhere.
+    jobs
+        Threads; None for every processor. The result does not depend on it.
     """
     pairs = explained_pairs(homogeneous(source.positions), homogeneous(target.positions), votes.best1, votes.best2)
-    found = []
-    for group in group_triplets(pairs, target.normalized_distances, votes.totals):
-        matches = _matches(pairs[group], votes.totals[group], len(target.samples))
-        image = spread_to_surface(source, target, matches, hints)
+    distances = target.normalized_distances
+    groups = group_triplets(pairs, distances, votes.totals)
+
+    def explained(group: np.ndarray, part: np.ndarray, backward: bool = False) -> Explanation:
+        """A group's explanation by a part of its triplets, from a map of the source or, backward, of the target."""
+        matches = agreed_matches(pairs[part], votes.totals[part], len(target.samples))
+        if backward:
+            image = spread(target, source, matches[:, ::-1], hints and hints.inverse).argmax(axis=0)
+        else:
+            image = spread(source, target, matches, hints).argmax(axis=1)
         evidence = compare(source, target, image)
         evidence["votes"] = float(np.log(votes.totals[0] / votes.totals[group[0]]))
         if hints is not None:
             astray = hints.astray(source, target, target.proxy[image])
             evidence["landmarks"] = float(np.maximum(astray - ASTRAY, 0.0).mean())
         badness = sum(WEIGHTS[kind] * value for kind, value in evidence.items())
-        found.append(Explanation(target.proxy[image], evidence, badness, len(group) / len(pairs), hints=hints))
-    return sorted(found, key=lambda explanation: explanation.badness)
+        return Explanation(target.proxy[image], evidence, badness, len(group) / len(pairs), hints=hints)
+
+    found = each(lambda i, _: explained(groups[i], groups[i]), len(groups), jobs, None)
+    least = min((one.badness for one in found), default=0.0)
+    if least > HARD:
+        # The shapes differ, and a map that began well may have gone astray. Other ways to begin do not go astray alike.
+        order = sorted(range(len(found)), key=lambda i: found[i].badness)[:CONTENDERS]
+        near = [i for i in order if found[i].badness <= least + CONTEST]
+        tasks = [
+            (i, part, backward)
+            for i in near
+            for part, backward in product((groups[i], purest_half(pairs, distances, groups[i])), (True, False))
+            if backward or part is not groups[i]
+        ]
+        others = each(lambda k, _: explained(groups[tasks[k][0]], *tasks[k][1:]), len(tasks), jobs, None)
+        for (i, _, _), other in zip(tasks, others, strict=True):
+            found[i] = min(found[i], other, key=badness_of)
+    return sorted(found, key=badness_of)
 
 
 def heeding(
@@ -131,11 +156,11 @@ def heeding(
     Where the votes lead to no explanation that agrees with the hints, they are cast once more with them. Where they do,
     hints have no say in it: on shapes of other proportions distances from them mislead.
     """
-    found = explanations(source, target, votes, hints)
+    found = explanations(source, target, votes, hints, settings.jobs)
     if hints is None or (found and not found[0].evidence["landmarks"]):
         return votes, found
     votes = cast_votes(source, target, replace(settings, votes=votes.n_triplets), hints=hints)
-    found = sorted(found + explanations(source, target, votes, hints), key=lambda explanation: explanation.badness)
+    found = sorted(found + explanations(source, target, votes, hints, settings.jobs), key=badness_of)
     places, distinct = target.mesh.vertices / np.sqrt(target.area), found[:1]
     for one in found[1:]:
         apart = [np.linalg.norm(places[one.image] - places[other.image], axis=1).mean() for other in distinct]
@@ -144,21 +169,26 @@ def heeding(
     return votes, distinct
 
 
-def contested(source: Surface, target: Surface, found: list[Explanation]) -> list[Explanation]:
-    """Explanations, best first, after those that are close have been compared once more: by how much they stretch.
+def contested(source: Surface, target: Surface, found: list[Explanation], jobs: int | None = 1) -> list[Explanation]:
+    """Explanations, best first, after those that are close have been compared once more: by how the source is bent.
 
     What is right on the whole and wrong at a limb shows when the surface is bent, which takes long; so only contenders
-    are. Their badness changes by how much more they stretch than the first of them. The winner has been bent.
+    are. Their badness changes by how much worse they are bent than the first of them. The winner has been bent.
     """
     rivals = [one for one in found[:CONTENDERS] if one.badness - found[0].badness <= CONTEST]
-    judged: list[Explanation] = []
-    for one in rivals:
-        registration = one.registered(source, target)
-        evidence = one.evidence | {"stretch": stretching(source, target, registration)}
-        more = evidence["stretch"] - (judged or [one])[0].evidence.get("stretch", evidence["stretch"])
-        badness = one.badness + STRETCH * more
-        judged.append(replace(one, evidence=evidence, badness=badness, registration=registration))
-    return sorted(judged + found[len(rivals) :], key=lambda explanation: explanation.badness)
+
+    def strained(i: int, _: Progress) -> float:
+        first, second = _brought_together(source, target, rivals[i])
+        image = target.proxy[_transport(source, target, first[source.proxy], second[target.proxy]).plan.argmax(axis=1)]
+        return strain(source, target, sketched(source, target, image, rivals[i].hints))
+
+    if len(rivals) > 1:
+        strains = each(strained, len(rivals), jobs, None)
+        for i, more in enumerate(np.subtract(strains, strains[0]).tolist()):
+            evidence = rivals[i].evidence | {"strain": more}
+            rivals[i] = replace(rivals[i], evidence=evidence, badness=rivals[i].badness + more)
+    judged = sorted(rivals + found[len(rivals) :], key=badness_of)
+    return [replace(one, registration=one.registered(source, target, jobs)) for one in judged[:1]] + judged[1:]
 
 
 def doubts(found: list[Explanation]) -> list[str]:
@@ -174,55 +204,14 @@ def doubts(found: list[Explanation]) -> list[str]:
     ]
 
 
-def group_triplets(
-    pairs: np.ndarray,
-    distances: np.ndarray,
-    totals: np.ndarray,
-    radius: float = GROUP_RADIUS,
-    most: int = MOST_GROUPS,
-) -> list[np.ndarray]:
-    """Group triplets by where they send the samples.
-
-    Parameters
-    ----------
-    pairs
-        (B, N1) int, the target sample of each source sample under each triplet, -1 for none, best triplet first.
-    distances
-        (N2, N2) between the target's samples per sqrt(area).
-    totals
-        (B,) weights of the triplets, not increasing.
-    radius, most
-        Largest mean distance of a triplet's places from those of its group's best, and how many groups at most.
+def spread(source: Surface, target: Surface, matches: np.ndarray, hints: Hints | None = None) -> np.ndarray:
+    """A map of the whole proxy from matches of samples (q, 2) and hints.
 
     Returns
     -------
-    list of numpy.ndarray
-        Numbers of the triplets of each group; the first of each is its best, and the groups are in their order.
+    numpy.ndarray
+        (P1, P2) float32: which part of each point of the source's proxy goes where in the target's; rows sum to 1.
     """
-    left = np.flatnonzero(totals >= LEAST_SHARE * totals.max(initial=0.0))
-    groups: list[np.ndarray] = []
-    while len(left) and len(groups) < most:
-        leader = pairs[left[0]]
-        shared = (pairs[left] >= 0) & (leader >= 0)
-        apart = np.where(shared, distances[pairs[left], leader], 0.0).sum(axis=1) / np.maximum(shared.sum(axis=1), 1)
-        same = (apart < radius) & shared.any(axis=1)
-        same[0] = True
-        groups.append(left[same])
-        left = left[~same]
-    return groups
-
-
-def _matches(pairs: np.ndarray, totals: np.ndarray, n2: int) -> np.ndarray:
-    """The matches (q, 2) that a group of triplets agrees on."""
-    votes = np.zeros((pairs.shape[1], n2))
-    for row, total in zip(pairs, totals, strict=True):
-        paired = np.flatnonzero(row >= 0)
-        votes[paired, row[paired]] += total**2
-    return max_row_column(votes)[0][:TRUSTED]
-
-
-def spread_to_surface(source: Surface, target: Surface, matches: np.ndarray, hints: Hints | None = None) -> np.ndarray:
-    """A map of the whole proxy from matches of samples (q, 2) and hints: numbers (P1,) in the target's proxy."""
     features = []
     for side, surface in enumerate((source, target)):
         apart = surface.proxy_distances[matches[:, side]]
@@ -234,8 +223,19 @@ def spread_to_surface(source: Surface, target: Surface, matches: np.ndarray, hin
     for count in UPSAMPLING:
         # Each point is sent to the mean of the places that its mass goes to.
         transfer = functional_map(first[:, :count], plan @ second[:, :count])
-        plan = Transport(first[:, :count] @ transfer, second[:, :count]).plan
-    return plan.argmax(axis=1)
+        plan = _transport(source, target, first[:, :count] @ transfer, second[:, :count]).plan
+    return plan
+
+
+def _transport(source: Surface, target: Surface, first: np.ndarray, second: np.ndarray) -> Transport:
+    """Between the proxies, by eigenfunctions (P1, k) and (P2, k) that have been brought together, and descriptors."""
+    return Transport(_described(source, source.proxy, first, second), _described(target, target.proxy, second, second))
+
+
+def _described(surface: Surface, vertices: np.ndarray, functions: np.ndarray, of_proxy: np.ndarray) -> np.ndarray:
+    """Eigenfunctions (q, k) and descriptors of vertices (q,), at a ratio that the target's proxy (P2, k) tells."""
+    scale = DESCRIPTORS * np.sqrt(np.einsum("ij,ij->", of_proxy, of_proxy) / len(of_proxy))
+    return np.hstack([functions, scale * surface.descriptors[vertices]])
 
 
 def compare(source: Surface, target: Surface, image: np.ndarray) -> dict[str, float]:
@@ -270,6 +270,14 @@ def rank_correlation(first: np.ndarray, second: np.ndarray) -> float:
 
 def finer_targets(source: Surface, target: Surface, explanation: Explanation, vertices: np.ndarray) -> np.ndarray:
     """Where an explanation sends vertices of the source, no longer bound to samples: target vertices (q,) int64."""
+    first, second = _brought_together(source, target, explanation)
+    of_proxy, everywhere = second[target.proxy], np.arange(len(second))
+    return _transport(source, target, first[source.proxy], of_proxy).images(
+        _described(source, vertices, first[vertices], of_proxy), _described(target, everywhere, second, of_proxy)
+    )
+
+
+def _brought_together(source: Surface, target: Surface, explanation: Explanation) -> tuple[np.ndarray, np.ndarray]:
+    """Eigenfunctions (n1, k) of the source, as an explanation sees them on the target, and the target's (n2, k)."""
     transfer = functional_map(source.eigenfunctions[source.proxy], target.eigenfunctions[explanation.image])
-    first, second = source.eigenfunctions @ transfer, target.eigenfunctions
-    return Transport(first[source.proxy], second[target.proxy]).images(first[vertices], second)
+    return source.eigenfunctions @ transfer, target.eigenfunctions

@@ -13,12 +13,13 @@ from .geometry.geodesics import nearest_centres
 from .geometry.points import SurfacePoints, closest_points
 from .geometry.spectral import nearest_rows
 from .hints import Hints
-from .hypotheses import group_triplets, rank_correlation
+from .hypotheses import rank_correlation
 from .mesh.measure import cross_products
 from .mesh.topology import boundary_edges
 from .registration import ROUNDS, Registration, looks, register, vertex_normals
 from .surface import Surface
 from .voting.agreement import agreement, as_far
+from .voting.groups import group_triplets
 from .voting.proposals import guided_triplets
 
 RADII = (0.03, 0.06, 0.1)

@@ -14,7 +14,7 @@ from .correspondence import Alternative, Correspondence
 from .errors import NothingFoundError, SettingsError
 from .geometry.points import SurfacePoints, closest_points
 from .hints import Hints, given_first, hints_of, through
-from .hypotheses import TRUSTED, Explanation, contested, doubts, heeding, spread_to_surface
+from .hypotheses import Explanation, contested, doubts, heeding, spread
 from .matrix_processing import linear_assignment, max_row_column, normalized, recover
 from .partial import PartPlaces, part_places
 from .preparing import each, finished, opened
@@ -22,6 +22,7 @@ from .settings import MatchSettings, make_settings
 from .software import software
 from .surface import Progress, Surface
 from .voting import Votes, cast_votes
+from .voting.groups import TRUSTED
 
 if TYPE_CHECKING:
     from .dense import SurfaceMap
@@ -118,7 +119,7 @@ def match(
         votes, seen = heeding(first, second, votes, chosen, hints)
         if places and seen and seen[0].badness < ALIKE:
             places, note = None, ""
-        found = [] if places else contested(first, second, seen)
+        found = [] if places else contested(first, second, seen, chosen.jobs)
         timings["explanations"] = time.perf_counter() - begin
         begin = time.perf_counter()
         if places:
@@ -243,7 +244,7 @@ def _spread(
             return through(of_part if found.part_is_source else of_part.inverse, hints)
         if not found:
             pairs, _ = _assign(votes.matrix, settings)
-            image = target.proxy[spread_to_surface(source, target, pairs[:TRUSTED], hints)]
+            image = target.proxy[spread(source, target, pairs[:TRUSTED], hints).argmax(axis=1)]
             found = [Explanation(image, {}, 0.0, 1.0, hints=hints)]
         return through(dense_map(source, target, found[0].registered(source, target)), hints)
 

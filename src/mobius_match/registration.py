@@ -21,6 +21,7 @@ from .geometry.rotations import nearest_rotations
 from .geometry.spectral import functional_map, nearest_rows
 from .hints import Hints, pinned
 from .mesh.measure import cross_products, vertex_sums
+from .preparing import each
 from .surface import Surface
 
 TRUST = (0.02, 0.1, 0.3, 1.0, 3.0)
@@ -32,8 +33,14 @@ ROUNDS = 3
 SETTLING, STEPS = 12, 2
 """Alternations of turning and moving at first, and after each search."""
 
-NORMAL, SPECTRAL = 0.15, 0.02
-"""How much normals and eigenfunctions count in the nearest point, against places per sqrt(area)."""
+NORMAL, SPECTRAL, DESCRIPTOR = 0.15, 0.02, 0.07
+"""How much normals, eigenfunctions and descriptors count in the nearest point, against places per sqrt(area)."""
+
+STRAIN, LITTLE = {"stretch": 16.0, "turn": 2.0}, {"stretch": 0.01, "turn": 0.001}
+"""What the logarithm of each kind of strain counts, and how much of it is as good as none."""
+
+NO_LENGTH = 1e-6
+"""Added to lengths per sqrt(area), so that they have a logarithm."""
 
 TEAR = 0.07
 """How much longer than the edge its image is, per sqrt(area), where the map is torn."""
@@ -78,6 +85,7 @@ def register(
     whole: bool = True,
     rounds: int = ROUNDS,
     hints: Hints | None = None,
+    jobs: int | None = 1,
 ) -> Registration:
     """Bend the source onto the target.
 
@@ -93,13 +101,19 @@ def register(
         How often the nearest points are looked for at each weight.
     hints
         Pairs that are known: the source is pinned there.
+    jobs
+        Threads; None for every processor. The result does not depend on it.
     """
-    freed, torn = _register(source, target, image, whole, rounds, True, hints)
-    if not (torn and whole):
-        return freed
-    # A piece that was torn off by a few wrong points beside it is better believed: what stretches less is right.
-    believed, _ = _register(source, target, image, whole, rounds, False, hints)
-    return min(freed, believed, key=lambda one: stretching(source, target, one))
+    torn = whole and not _body(source).held(target.mesh.vertices[image] / np.sqrt(target.area)).all()
+    # A piece that was torn off by a few wrong points beside it is better believed: what is strained less is right.
+    ways = (True, False) if torn else (True,)
+    found = each(lambda i, _: _register(source, target, image, whole, rounds, ways[i], hints), len(ways), jobs, None)
+    return min(found, key=lambda one: strain(source, target, one)) if torn else found[0]
+
+
+def sketched(source: Surface, target: Surface, image: np.ndarray, hints: Hints | None = None) -> Registration:
+    """:func:`register` in a fraction of the time: good enough to see which of several images is right."""
+    return _register(source, target, image, True, 1, True, hints)
 
 
 def _register(
@@ -110,26 +124,26 @@ def _register(
     rounds: int,
     freeing: bool,
     hints: Hints | None,
-) -> tuple[Registration, bool]:
-    """:func:`register` with torn pieces set free or not, and whether there were any."""
+) -> Registration:
+    """:func:`register` with torn pieces set free or not."""
     centre = target.mesh.vertices.mean(axis=0)
     here, there = source.mesh.vertices / np.sqrt(source.area), (target.mesh.vertices - centre) / np.sqrt(target.area)
     normals1, normals2 = vertex_normals(here, source.mesh.faces)[source.proxy], vertex_normals(there, target.mesh.faces)
-    # Nothing is left of the eigenfunctions of a part, or of who draws.
+    # Nothing is left of the eigenfunctions and descriptors of a part, or of who draws.
     drawers, shared = (target.proxy, target.eigenfunctions.shape[1]) if whole else (target.proxy[:0], 0)
     spectral1 = source.eigenfunctions[source.proxy].astype(np.float64)[:, :shared]
     spectral2 = target.eigenfunctions[:, :shared]
     some = _candidates(target)
-    goals = _features(there[some], normals2[some], spectral2[some])
+    seen1, seen2 = source.descriptors[source.proxy][:, :shared], target.descriptors[:, :shared]
+    goals = _features(there[some], normals2[some], spectral2[some], seen2[some])
     # A tree is faster where there are few columns.
     tree = None if whole else scipy.spatial.cKDTree(goals)
     drawing = np.searchsorted(some, drawers)
-    body = Body(here[source.proxy], source.proxy_edges)
+    body = _body(source)
     pins = None if hints is None else hints.pins(source, target, there)
     places, positions, turns = there[image], there[image], np.empty(0)
     everything = np.ones(len(image), bool)
     held = body.held(places) if freeing else everything
-    torn = not held.all()
     for trust in TRUST:
         if trust == TRUST[0]:
             positions, turns = body.settle(positions, *pinned(pins, places, trust * held, turns), SETTLING)
@@ -137,7 +151,7 @@ def _register(
         for _ in range(rounds):
             transfer = functional_map(spectral1[held], spectral2[image[held]])
             turned = np.einsum("ni,nij->nj", normals1, turns)
-            seekers = _features(positions, turned, spectral1 @ transfer)
+            seekers = _features(positions, turned, spectral1 @ transfer, seen1)
             image = some[nearest_rows(seekers, goals) if tree is None else tree.query(seekers)[1]]
             drawn = nearest_rows(goals[drawing], seekers)
             number = 1 + np.bincount(drawn, minlength=len(image))
@@ -146,28 +160,37 @@ def _register(
             held = body.held(there[image]) if freeing and trust <= BELIEVED else everything
             positions, turns = body.settle(positions, *pinned(pins, places, trust * held, turns), STEPS)
     turned = np.einsum("ni,nij->nj", normals1, turns)
-    found = Registration(
+    return Registration(
         image,
         positions * np.sqrt(target.area) + centre,
         np.linalg.norm(positions - there[image], axis=1),
         turns,
         1 - np.einsum("ij,ij->i", turned, normals2[image]),
     )
-    return found, torn
+
+
+def edge_stretches(source: Surface, target: Surface, registration: Registration) -> np.ndarray:
+    """Logarithms (E,) of how many times longer the edges of the proxy have become, both surfaces having area 1."""
+    start, end = source.proxy_edges.T
+    rest, bent = source.mesh.vertices[source.proxy], registration.positions
+    before, after = (np.linalg.norm(points[start] - points[end], axis=1) for points in (rest, bent))
+    return np.asarray(np.log((after / np.sqrt(target.area) + NO_LENGTH) / (before / np.sqrt(source.area) + NO_LENGTH)))
 
 
 def stretching(source: Surface, target: Surface, registration: Registration) -> float:
     """How much the edges of the proxy are stretched or pressed: the mean of the logarithm's absolute value."""
-    start, end = source.proxy_edges.T
-    rest, bent = source.mesh.vertices[source.proxy], registration.positions
-    before, after = (np.linalg.norm(points[start] - points[end], axis=1) for points in (rest, bent))
-    before, after = before / np.sqrt(source.area) + 1e-6, after / np.sqrt(target.area) + 1e-6
-    return float(np.abs(np.log(after / before)).mean())
+    return float(np.abs(edge_stretches(source, target, registration)).mean())
 
 
-def _features(places: np.ndarray, normals: np.ndarray, spectral: np.ndarray) -> np.ndarray:
-    """What points are compared by, (p, 6 + k); single precision halves the time of the search."""
-    return np.concatenate([places, NORMAL * normals, SPECTRAL * spectral], axis=1).astype(np.float32)
+def strain(source: Surface, target: Surface, registration: Registration) -> float:
+    """How badly the source is bent, to be compared with another way: what it stretches, and how far normals are off."""
+    found = {"stretch": stretching(source, target, registration), "turn": float(registration.turn.mean())}
+    return sum(weight * float(np.log(found[kind] + LITTLE[kind])) for kind, weight in STRAIN.items())
+
+
+def _features(places: np.ndarray, normals: np.ndarray, spectral: np.ndarray, seen: np.ndarray) -> np.ndarray:
+    """What points are compared by, (p, 6 + k + d); single precision halves the time of the search."""
+    return np.hstack([places, NORMAL * normals, SPECTRAL * spectral, DESCRIPTOR * seen]).astype(np.float32)
 
 
 class Body:
@@ -216,6 +239,10 @@ class Body:
             wanted = np.einsum("ei,eij->ej", self._rest, turns[self._start] + turns[self._end]) / 2
             positions = factors.solve(self._sum @ wanted + trust[:, None] * places)
         return positions, turns
+
+
+def _body(source: Surface) -> Body:
+    return Body(source.mesh.vertices[source.proxy] / np.sqrt(source.area), source.proxy_edges)
 
 
 def vertex_normals(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:

@@ -6,6 +6,7 @@ import os
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -30,6 +31,12 @@ EIGENFUNCTIONS = 50
 PROXY_SIZE = 1200
 GAUSS_RADIUS, MEAN_RADIUS = 0.035, 0.1
 """Widths that the curvatures which tell explanations apart are smoothed to, per sqrt(area)."""
+
+LEVELS = slice(4, None, 8)
+"""Levels of the 100 of the wave kernel signature that all vertices are described by."""
+
+LEAST_SPREAD = 0.1
+"""Standard deviation that the logarithms of a level are taken to have at least: a sphere has none."""
 
 LARGEST_CLOSURE = 1e-6
 """Closure of the conjugate function above which a flattening is not to be trusted."""
@@ -136,6 +143,14 @@ class Surface:
     def average_distances(self) -> np.ndarray:
         """Average geodesic distance of each sample to the surface per sqrt(area), (N,)."""
         return self.normalized_distances @ self.cells / self.area
+
+    @cached_property
+    def descriptors(self) -> np.ndarray:
+        """Wave kernel signatures (n, 12) of all vertices: logarithms, 0 on average, squares of a row sum to about 1."""
+        found = np.log(wave_kernel_signature(self.eigenvalues, self.eigenfunctions)[:, LEVELS] + np.finfo(float).eps)
+        spread = np.maximum(found[self.proxy].std(axis=0), LEAST_SPREAD)
+        found = (found - found[self.proxy].mean(axis=0)) / spread
+        return np.asarray(found / np.sqrt(found.shape[1]), np.float32)
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write the surface to a file (numpy's .npz); an existing one is replaced at once or not at all."""

@@ -10,6 +10,9 @@ from .laplacian import IntrinsicMesh
 SHIFT = 1e-2
 """Eigenvalues are looked for about minus this: the Laplacian itself is singular."""
 
+BLOCK = 100
+"""Rows whose distances are held at a time; few enough to stay near the processor."""
+
 
 def eigenbasis(mesh: IntrinsicMesh, count: int) -> tuple[np.ndarray, np.ndarray]:
     """The lowest eigenpairs of the Laplacian, scaled to a surface of area 1.
@@ -72,10 +75,10 @@ def functional_map(source: np.ndarray, target: np.ndarray) -> np.ndarray:
 
 def nearest_rows(queries: np.ndarray, rows: np.ndarray) -> np.ndarray:
     """Number of the nearest of ``rows`` (n, k) to each of ``queries`` (p, k), (p,) int64; the lowest of equal ones."""
-    squared = np.einsum("ij,ij->i", rows, rows)
+    # One more column, so that the product alone is the squared distance, but for what all rows share.
+    wide = np.hstack([-2 * rows, np.einsum("ij,ij->i", rows, rows)[:, None]])
+    asked = np.hstack([queries, np.ones((len(queries), 1), queries.dtype)])
     found = np.empty(len(queries), np.int64)
-    block = max(1, 4_000_000 // max(len(rows), 1))  # keeps the matrix of distances small
-    for start in range(0, len(queries), block):
-        part = queries[start : start + block]
-        found[start : start + block] = np.argmin(squared - 2 * part @ rows.T, axis=1)
+    for start in range(0, len(queries), BLOCK):
+        np.argmin(asked[start : start + BLOCK] @ wide.T, axis=1, out=found[start : start + BLOCK])
     return found
