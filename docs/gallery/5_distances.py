@@ -40,4 +40,4 @@ plt.show()
 
 # %%
 # Two poses of one animal are closer than two animals. Between shapes of different kinds, such as a person and an
-# animal, distances are larger still: :ref:`dense.md <how-far-two-shapes-are-from-isometric>`.
+# animal, distances are larger still: :doc:`/dense`.

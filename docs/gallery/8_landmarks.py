@@ -44,3 +44,10 @@ def drawn(mesh, landmarks):
 
 
 plt.imsave("landmarks.png", np.concatenate([drawn(source, list(placed.values())), drawn(target, places)], axis=1))
+
+# %%
+# Pairs that you know guide a match: they decide which explanation is right, and stay in the result.
+
+head = int(height.argmax())
+hinted = mm.match(*examples.paths("person"), seed=0, landmarks=[(head, int(vertices[0]))])
+print(f"{hinted.given.sum()} given, {len(hinted) - hinted.given.sum()} found; the first is {hinted.pairs[0]}")
