@@ -48,7 +48,7 @@ def samples(result):
         places, n = surface.mesh.vertices[surface.samples], surface.n_maxima
         front(axes, places[:n], s=26, c="tab:red", label=f"{n} maxima of curvature")
         front(axes, places[n:], s=26, c="tab:blue", label=f"{len(places) - n} farthest points")
-        axes.legend(loc="lower center", bbox_to_anchor=(0.5, -0.1), ncols=2, frameon=False)
+        axes.legend(loc="lower center", bbox_to_anchor=(0.5, -0.14), frameon=False)
     return figure
 
 
@@ -66,9 +66,7 @@ def planes(result):
             plane(row[0], flat, middle, samples)
             centre = np.median(flat.real) + 1j * np.median(flat.imag)
             extent = 12 * np.median(np.abs(flat)) * SQUARE
-            row[0].set(
-                title="source, flattened", xlim=centre.real + extent * SQUARE, ylim=centre.imag + extent * SQUARE
-            )
+            row[0].set(title="source, flattened", xlim=centre.real + extent, ylim=centre.imag + extent)
         plane(row[k + 1], apply(canonical, flat), middle, apply(canonical, samples))
         row[k + 1].plot(*np.stack([CANONICAL_TRIANGLE.real, CANONICAL_TRIANGLE.imag]), "k^", markersize=9)
         row[k + 1].set(title=f"{('source', 'target')[k]}, a triplet moved to ▲", xlim=3 * SQUARE, ylim=3 * SQUARE)

@@ -30,4 +30,5 @@ mesh = mm.read_mesh(target)
 true = np.einsum("qc,qcx->qx", barycentric, mesh.vertices[mesh.faces[faces]])[result.pairs[:, 0]]
 found = result.target_points.values(mesh.vertices)
 errors = np.linalg.norm(found - true, axis=1) / result.target_info["diameter"]
-print(f"{len(result)} matches, {(errors < 0.05).mean():.0%} within 5 % of the diameter, median {np.median(errors):.4f}")
+print(f"{(errors < 0.05).mean():.0%} of {len(result)} are within 5 % of the diameter")
+print(f"median error {np.median(errors):.4f} of the diameter")

@@ -27,10 +27,20 @@ carried = carrier.colors(colours)
 
 
 def drawn(mesh, paint):
-    return next(draw_shapes(mesh.vertices[None], mesh.faces, size=(500, 620), paint=paint.astype(np.float32)))
+    return next(
+        draw_shapes(
+            mesh.vertices[None],
+            mesh.faces,
+            size=(500, 620),
+            paint=paint.astype(np.float32),
+        )
+    )
 
 
-plt.imsave("colours.png", np.concatenate([drawn(source, colours / 255), drawn(target, carried / 255)], axis=1))
+plt.imsave(
+    "colours.png",
+    np.concatenate([drawn(source, colours / 255), drawn(target, carried / 255)], axis=1),
+)
 
 # %%
 # What the map does to areas, without knowing the truth: blue where they shrink, red where they grow, white where they

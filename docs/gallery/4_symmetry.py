@@ -20,9 +20,10 @@ print(found.pairs[:5])
 # The two vertices of a pair get one colour, and so does what is nearest to each; in white the vertices in the middle.
 
 mesh = found.source.whole_mesh
-pairs = found.pairs
-ends = mesh.vertices[pairs.ravel()]
+ends = mesh.vertices[found.pairs.ravel()]
 nearest = np.linalg.norm(mesh.vertices[:, None] - ends, axis=2).argmin(axis=1) // 2
-paint = plt.get_cmap("hsv")(0.38 * np.arange(len(pairs)) % 1)[nearest, :3].astype(np.float32)
+hues = 0.38 * np.arange(len(found)) % 1
+paint = 0.3 + 0.65 * plt.get_cmap("hsv")(hues)[nearest, :3].astype(np.float32)
 paint[found.stationary] = 1
-plt.imsave("symmetry.png", next(draw_shapes(mesh.vertices[None], mesh.faces, size=(640, 640), paint=paint)))
+picture = next(draw_shapes(mesh.vertices[None], mesh.faces, paint=paint))
+plt.imsave("symmetry.png", picture)

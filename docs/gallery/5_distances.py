@@ -34,7 +34,14 @@ picture = axes.imshow(distances, cmap="viridis_r")
 axes.set_xticks(range(4), names, rotation=25, ha="right")
 axes.set_yticks(range(4), names)
 for (i, j), value in np.ndenumerate(distances):
-    axes.text(j, i, f"{value:.3f}", ha="center", va="center", color="white" if value > distances.max() / 2 else "black")
+    axes.text(
+        j,
+        i,
+        f"{value:.3f}",
+        ha="center",
+        va="center",
+        color="white" if value > distances.max() / 2 else "black",
+    )
 figure.colorbar(picture, label="mean change of distances, per sqrt(area)")
 plt.show()
 

@@ -17,7 +17,7 @@ carrier = Carrier(mm.match(*examples.paths("person"), seed=0).dense())
 source, target = carrier.source, carrier.target
 
 # %%
-# Five places on the source by their coordinates, moved to the nearest point of the surface, then carried. What comes
+# Three places on the source by their coordinates, moved to the nearest point of the surface, then carried. What comes
 # out are exact places on the target, and the vertices nearest to them.
 
 height = source.vertices[:, 1]
@@ -43,11 +43,14 @@ def drawn(mesh, landmarks):
     return next(draw_shapes(mesh.vertices[None], mesh.faces, size=(500, 620), paint=paint))
 
 
-plt.imsave("landmarks.png", np.concatenate([drawn(source, list(placed.values())), drawn(target, places)], axis=1))
+plt.imsave(
+    "landmarks.png",
+    np.concatenate([drawn(source, list(placed.values())), drawn(target, places)], axis=1),
+)
 
 # %%
 # Pairs that you know guide a match: they decide which explanation is right, and stay in the result.
 
 head = int(height.argmax())
 hinted = mm.match(*examples.paths("person"), seed=0, landmarks=[(head, int(vertices[0]))])
-print(f"{hinted.given.sum()} given, {len(hinted) - hinted.given.sum()} found; the first is {hinted.pairs[0]}")
+print(f"{len(hinted)} matches, {hinted.given.sum()} of them given: {hinted.pairs[0]}")
