@@ -26,7 +26,7 @@ lint: $(READY) ## check style and types
 	@$(BIN)/mypy
 
 docs: $(READY) ## make the documentation site in build/docs; warnings and broken links are errors
-	@$(BIN)/sphinx-build --nitpicky --fail-on-warning --keep-going --quiet -d build/doctrees docs build/docs
+	@$(BIN)/sphinx-build --nitpicky --fail-on-warning --keep-going --write-all --quiet -d build/doctrees docs build/docs
 
 links: $(READY) ## check the documentation's links to other sites (needs the network)
 	@$(BIN)/sphinx-build --quiet -d build/doctrees -b linkcheck -D plot_gallery=0 docs build/links
