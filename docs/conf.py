@@ -37,7 +37,7 @@ sphinx_gallery_conf = {
     "abort_on_example_error": True,
     "download_all_examples": False,
     "show_signature": False,
-    "min_reported_time": 10,
+    "min_reported_time": 600,  # the first script may have to compile
     "remove_config_comments": True,
     "image_scrapers": ("matplotlib", "pictures"),
     "write_computation_times": False,
