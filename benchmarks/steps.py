@@ -120,7 +120,7 @@ def alternatives(result):
         result, pairs=lost.pairs, confidence=lost.confidence, kind=lost.kind, target_points=lost.target_points
     )
     figure, row = plt.subplots(1, 2, figsize=(12, 4.2), layout="constrained")
-    titles = ("chosen", f"lost, worse by {lost.margin:.2f}: the arms exchanged")
+    titles = ("chosen", f"lost, worse by {lost.margin:.2f}: chest and arms exchanged")
     for axes, one, title in zip(row, (result, other), titles, strict=True):
         stream = io.BytesIO()
         draw_matches(one, stream, size=(1000, 640), view=(0, 8))
