@@ -9,7 +9,7 @@ DEMO_DIR ?= mobius-demo
 
 IN_RANGE := import sys, venv, ensurepip; sys.exit(not (3, 11) <= sys.version_info[:2] <= (3, 13))
 
-.PHONY: help demo test lint viewer clean
+.PHONY: help demo test lint docs links viewer clean
 
 help: ## show this list
 	@sed -n 's/^\([a-z]*\):.*## /  make \1\t/p' $(MAKEFILE_LIST)
@@ -25,11 +25,17 @@ lint: $(READY) ## check style and types
 	@$(BIN)/ruff format --check .
 	@$(BIN)/mypy
 
+docs: $(READY) ## make the documentation site in build/docs; warnings and broken links are errors
+	@$(BIN)/sphinx-build --nitpicky --fail-on-warning --keep-going --write-all --quiet -d build/doctrees docs build/docs
+
+links: $(READY) ## check the documentation's links to other sites (needs the network)
+	@$(BIN)/sphinx-build --quiet -d build/doctrees -b linkcheck -D plot_gallery=0 docs build/links
+
 viewer: ## build the script of the viewer's page again after a change in viewer/ (needs Node)
 	@cd viewer && npm ci --no-audit --no-fund --ignore-scripts && npm run --silent build
 
 clean: ## remove what was built
-	rm -rf $(VENV) $(DEMO_DIR) viewer/node_modules build dist .pytest_cache .mypy_cache .ruff_cache .hypothesis src/*.egg-info
+	rm -rf $(VENV) $(DEMO_DIR) viewer/node_modules build docs/examples dist .pytest_cache .mypy_cache .ruff_cache .hypothesis src/*.egg-info
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +
 
 $(READY): pyproject.toml constraints/lock.txt
@@ -50,5 +56,5 @@ $(READY): pyproject.toml constraints/lock.txt
 	@echo "Installing into $(VENV) (a minute or two the first time) ..." >&2
 	@$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints/lock.txt setuptools
 	@$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints/lock.txt \
-	  --no-build-isolation --editable '.[dev]'
+	  --no-build-isolation --editable '.[dev,docs]'
 	@touch $(READY)

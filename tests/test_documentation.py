@@ -1,7 +1,8 @@
-"""The examples in docstrings run and give what they say."""
+"""The pages keep their word: examples run, links hold, and lists of options and names are whole."""
 
 import doctest
 import importlib
+import inspect
 import pkgutil
 import re
 from pathlib import Path
@@ -9,10 +10,10 @@ from pathlib import Path
 import pytest
 
 import mobius_match
+from mobius_match.cli.match import match
 
-PAGES = sorted(
-    page for page in (Path(__file__).parents[1] / "README.md", *Path(__file__).parents[1].glob("docs/**/*.md"))
-)
+ROOT = Path(__file__).parents[1]
+PAGES = sorted((ROOT / "README.md", *ROOT.glob("docs/**/*.md")))
 
 
 def test_docstring_examples(tmp_path, monkeypatch):
@@ -45,3 +46,34 @@ def test_examples_of_the_pages(page, tmp_path, monkeypatch):
 def test_links_to_files_hold(page):
     for link in re.findall(r"\]\(([^)#]+)[^)]*\)", page.read_text(encoding="utf-8")):
         assert link.startswith("https://") or (page.parent / link).exists(), f"{page.name} links to {link}"
+
+
+def test_the_settings_page_has_every_option_of_match():
+    parameters = inspect.signature(match, eval_str=True).parameters
+    options = {f"--{name.replace('_', '-')}" for name in parameters} - {"--source", "--target"}
+    text = (ROOT / "docs/settings.md").read_text(encoding="utf-8")
+    assert sorted(re.findall(r"^\| `(--[a-z-]+)` \|", text, re.MULTILINE)) == sorted(options)
+
+
+def test_the_reference_has_every_public_name():
+    text = (ROOT / "docs/api.md").read_text(encoding="utf-8")
+    documented = re.findall(r"^\.\. (?:auto\w+|data):: (\w+)$", text, re.MULTILINE)
+    assert sorted(documented) == sorted(mobius_match.__all__)
+
+
+def test_the_site_is_checked_for_dead_links_and_for_what_it_would_load(tmp_path, monkeypatch):
+    pytest.importorskip("sphinx")
+    monkeypatch.syspath_prepend(str(ROOT / "docs/extensions"))
+    (tmp_path / "a.html").write_text(
+        '<a href="b.html#here">fine</a><a href="b.html#there">x</a><a href="c.html">x</a><a href="https://x.org">fine</a>'
+        '<script src="https://x.org/y.js"></script><img src="b.html"><img src="none.png">'
+    )
+    (tmp_path / "b.html").write_text('<p id="here"><a href="a.html">fine</a><a href="#">fine</a>')
+    (tmp_path / "c.css").write_text('@import "https://x.org/z.css"; p { background: url(local.png) }')
+    assert importlib.import_module("whole").faults(tmp_path) == [
+        "a.html: b.html#there: no such place on that page",
+        "a.html: c.html leads nowhere",
+        "a.html: loads https://x.org/y.js",
+        "a.html: none.png leads nowhere",
+        "c.css: loads https://x.org/z.css",
+    ]

@@ -98,7 +98,7 @@ class Carrier:
         return np.round(carried).astype(np.uint8)
 
     def labels(self, labels: np.ndarray) -> np.ndarray:
-        """Carry labels (m1,) of faces, see :meth:`SurfaceMap.transfer_labels`; (m2,) int64, -1 for none."""
+        """Labels (m1,) of faces as :meth:`mobius_match.SurfaceMap.transfer_labels` does; (m2,) int64, -1 for none."""
         return self.map.transfer_labels(labels)
 
     def uv(self, uv: np.ndarray) -> np.ndarray:

@@ -1,0 +1,32 @@
+"""
+A part of a shape
+=================
+
+The front half of an animal, looked for on the whole animal in another pose.
+"""
+
+import numpy as np
+
+import mobius_match as mm
+from mobius_match import examples
+from mobius_match.figures import draw_matches
+
+first, second = examples.paths("quadruped")
+whole = mm.read_mesh(first)
+front = (whole.vertices[whole.faces][:, :, 2] > 0.05).all(axis=1)  # it looks along z
+part = mm.Mesh(whole.vertices, whole.faces[front], name="front half")
+
+result = mm.match(part, second, seed=0)
+print(result)
+print(*result.warnings, sep="\n")
+draw_matches(result, "part.png")
+
+# %%
+# Nothing is reported for what is missing, nor next to the cut. The part was taken out of the first pose with its
+# vertex numbers, so the truth is known:
+
+faces, barycentric = examples.truth("quadruped")
+mesh = mm.read_mesh(second)
+true = np.einsum("qc,qcx->qx", barycentric, mesh.vertices[mesh.faces[faces]])[result.pairs[:, 0]]
+errors = np.linalg.norm(result.target_points.values(mesh.vertices) - true, axis=1) / result.target_info["diameter"]
+print(f"{len(result)} matches, {(errors < 0.05).mean():.0%} within 5 % of the diameter")
