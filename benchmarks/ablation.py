@@ -21,7 +21,7 @@ from unittest.mock import patch
 import numpy as np
 
 import mobius_match as mm
-from mobius_match import confidence, hypotheses, matching, registration
+from mobius_match import confidence, hypotheses, registration
 from mobius_match.correspondence import write_atomically
 from mobius_match.errors import FormatError
 from mobius_match.evaluation import Case, find_dataset, summary
@@ -47,10 +47,14 @@ def alike(signatures1: np.ndarray, signatures2: np.ndarray) -> np.ndarray:
     return np.ones((len(signatures1), len(signatures2)))
 
 
-def unbent(source: Surface, target: Surface, image: np.ndarray) -> Registration:
+def unbent(source: Surface, target: Surface, image: np.ndarray, *_: Any, **__: Any) -> Registration:
     """Stands for the registration: the map of the explanation as it is."""
-    nothing = np.zeros(len(image))
-    return Registration(image, target.mesh.vertices[image], nothing, nothing)
+    nothing, turns = np.zeros(len(image)), np.tile(np.eye(3), (len(image), 1, 1))
+    return Registration(image, target.mesh.vertices[image], nothing, turns, nothing)
+
+
+def not_bent() -> AbstractContextManager[Any]:
+    return patch.multiple(hypotheses, register=unbent, sketched=unbent)
 
 
 Patches = Callable[[], AbstractContextManager[Any]]
@@ -78,12 +82,21 @@ WITHOUT: dict[str, tuple[dict[str, Any], Patches]] = {
         {},
         weights(distances=0.0, laplacian=0.0, mean_curvature=0.0, gauss_curvature=0.0),
     ),
-    **{f"choice: {kind}": ({}, weights(**{kind.replace(" ", "_"): 0.0})) for kind in hypotheses.WEIGHTS},
+    **{
+        f"choice: {kind}": ({}, weights(**{kind.replace(" ", "_"): 0.0}))
+        for kind in hypotheses.WEIGHTS
+        if kind != "landmarks"
+    },
+    "choice: strain of close ones": ({}, constant(hypotheses, "CONTENDERS", 1)),
+    "other starts where shapes differ": ({}, constant(hypotheses, "HARD", np.inf)),
+    "descriptors in the spread": ({}, constant(hypotheses, "DESCRIPTORS", 0.0)),
     "transport (nearest points)": ({}, constant(hypotheses, "Transport", partial(Transport, balance=0.0))),
     "upsampling (20 eigenfunctions alone)": ({}, constant(hypotheses, "UPSAMPLING", (20,))),
-    "registration": ({"threshold": 0.0}, constant(matching, "register", unbent)),
+    "registration": ({"threshold": 0.0}, not_bent),
     "registration: normals": ({}, constant(registration, "NORMAL", 0.0)),
     "registration: eigenfunctions": ({}, constant(registration, "SPECTRAL", 0.0)),
+    "registration: descriptors": ({}, constant(registration, "DESCRIPTOR", 0.0)),
+    "registration: torn pieces set free": ({}, constant(registration, "TEAR", np.inf)),
     "registration: rising trust (the first alone)": ({}, constant(registration, "TRUST", registration.TRUST[:2])),
     "confidence (all alike)": (
         {"threshold": 0.0},
