@@ -125,7 +125,7 @@ def record_without(case: Case, folder: Path, name: str) -> dict[str, Any]:
             path.parent.mkdir(parents=True, exist_ok=True)
             prepare_one(str(mesh), path, chosen)
     with patches():
-        return record_of(match_pair, case, "heat", place, chosen)
+        return record_of(match_pair, case, "heat", place, chosen, False)
 
 
 def cell(records: list[dict[str, Any]]) -> str:
