@@ -14,7 +14,7 @@ IN_RANGE := import sys, venv, ensurepip; sys.exit(not (3, 11) <= sys.version_inf
 help: ## show this list
 	@sed -n 's/^\([a-z]*\):.*## /  make \1\t/p' $(MAKEFILE_LIST)
 
-demo: $(READY) ## match the shipped pairs of meshes, write pictures and results to mobius-demo/
+demo: $(READY) ## match the shipped pairs of meshes, write results, pictures and pages to mobius-demo/
 	@$(BIN)/mobius demo -o $(DEMO_DIR)
 
 test: $(READY) ## run the tests

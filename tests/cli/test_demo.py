@@ -19,7 +19,7 @@ def test_every_pair_is_matched_measured_and_kept(mobius, tmp_path):
     assert str(folder) in ended.err.strip().split("\n")[-1]
     report = json.loads(ended.out)
     assert [entry["pair"] for entry in report] == list(examples.names())
-    endings = (".json", ".csv", ".png")
+    endings = (".json", ".csv", ".png", ".html")
     assert {path.name for path in folder.iterdir()} == {n + e for n in examples.names() for e in endings}
     for entry in report:
         name = entry["pair"]
@@ -30,6 +30,7 @@ def test_every_pair_is_matched_measured_and_kept(mobius, tmp_path):
             table = list(csv.DictReader(lines))
         assert table == [{key: str(value) for key, value in row.items()} for row in matches]
         assert (folder / f"{name}.png").read_bytes().startswith(b"\x89PNG\r\n")
+        assert (folder / f"{name}.html").read_text(encoding="utf-8").startswith("<!doctype html>")
         errors = [row["error"] for row in matches]
         assert entry["mean_error_first_15"] == pytest.approx(np.mean(errors[:15]))
         assert entry["mean_error_first_45"] == pytest.approx(np.mean(errors[:45]))

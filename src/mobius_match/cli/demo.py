@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 def demo(
     output: Annotated[
-        Path, typer.Option("--output", "-o", metavar="DIR", help="Folder for results, pictures and tables.")
+        Path, typer.Option("--output", "-o", metavar="DIR", help="Folder for results, pictures, tables and pages.")
     ] = Path("mobius-demo"),
     json: Annotated[bool, typer.Option("--json", help="Print the figures as JSON instead of tables.")] = False,
     quiet: Quiet = False,
@@ -32,6 +32,7 @@ def demo(
     a fraction of the target's diameter.
     """
     from .. import examples
+    from ..viewer import page
 
     make_folder(output)
     report = []
@@ -44,6 +45,7 @@ def demo(
             write(output / f"{name}.json", to_json(result.to_dict()))
             write(output / f"{name}.csv", _csv(entry["matches"]))
             write(output / f"{name}.png", draw(result))
+            write(output / f"{name}.html", page(result, dense=result.dense()).encode())
             report.append(entry)
     if json:
         write(STDOUT, to_json(report))
@@ -52,7 +54,7 @@ def demo(
             print_table(_match_table(entry))
         print_table(_summary_table(report))
     if not quiet:
-        say(f"Results (.json), tables (.csv) and pictures (.png) are in {output.resolve()}")
+        say(f"Results (.json), tables (.csv), pictures (.png) and pages to look at (.html) are in {output.resolve()}")
 
 
 def measure(result: Correspondence, true_faces: np.ndarray, true_weights: np.ndarray) -> dict[str, Any]:
