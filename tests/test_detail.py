@@ -83,6 +83,7 @@ def test_the_dense_map_is_of_all_the_users_vertices(large, surface):
 
 
 def test_a_simplified_surface_is_kept_in_a_file(surface, tmp_path):
+    assert len(surface.descriptors) == len(surface.mesh.vertices)  # made on demand, and not kept
     surface.save(tmp_path / "surface.npz")
     found = mm.Surface.load(tmp_path / "surface.npz")
     for one, other in ((surface.mesh, found.mesh), (surface.whole_mesh, found.whole_mesh)):

@@ -7,6 +7,7 @@ import json
 import os
 import zipfile
 from dataclasses import asdict
+from dataclasses import fields as fields_of
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -86,6 +87,6 @@ def _mesh(found: dict[str, Any], prefix: str) -> Mesh:
 
 def _split(record: Surface | Mesh | Detail, prefix: str) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
     """A record's fields that are no arrays, and its arrays."""
-    fields = {prefix + name: value for name, value in vars(record).items()}
+    fields = {prefix + field.name: getattr(record, field.name) for field in fields_of(record)}
     arrays = {name: value for name, value in fields.items() if isinstance(value, np.ndarray)}
     return {name: value for name, value in fields.items() if name not in arrays}, arrays
