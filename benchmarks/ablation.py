@@ -38,7 +38,8 @@ HEADING = """# Ablation
 What each ingredient of the default settings is worth: one is left out at a time, everything else stays. For each set:
 mean error of the first 15 / mean error of the first 45 / share of pairs whose first 15 are all within 3 % / wrong pairs
 (mean of the first 45 above 0.10, or no match). Errors are geodesic distances (heat method) per diameter of the target;
-where a set has landmarks, that of the match nearest to each landmark.
+where a set has landmarks, that of the match nearest to each landmark. What the choice between explanations goes by
+shows on few pairs only, and a selection may have none of them.
 """
 
 
