@@ -3,6 +3,7 @@
 import os
 import pty
 import signal
+import threading
 from pathlib import Path
 
 import pytest
@@ -182,8 +183,11 @@ def test_interruption_at_work(start_mobius, pair, tmp_path, sent, code, word):
     os.close(theirs)
     seen = _read_until(terminal, "voting")
     process.send_signal(sent)
+    too_long = threading.Timer(60, process.kill)
+    too_long.start()
+    rest = _read_until(terminal, None)  # to its end: a terminal that nobody reads fills up and blocks
+    too_long.cancel()
     assert process.wait(timeout=60) == code
-    rest = _read_until(terminal, None)
     os.close(terminal)
     assert rest.strip().endswith(word)
     assert "Traceback" not in seen + rest
