@@ -10,8 +10,8 @@ import scipy
 from .confidence import interpolated, neighbour_means
 from .geometry.curvature import curvatures
 from .geometry.geodesics import nearest_centres
+from .geometry.nearest import nearest_rows
 from .geometry.points import SurfacePoints, closest_points
-from .geometry.spectral import nearest_rows
 from .hints import Hints
 from .hypotheses import rank_correlation
 from .mesh.measure import cross_products

@@ -22,7 +22,8 @@ from threadpoolctl import threadpool_limits
 from .correspondence import write_atomically
 from .errors import NothingFoundError, SettingsError
 from .geometry.geodesics import geodesic_solver
-from .geometry.spectral import functional_map, nearest_rows, wave_kernel_signature
+from .geometry.nearest import nearest_rows
+from .geometry.spectral import functional_map, wave_kernel_signature
 from .hypotheses import Explanation, explanations
 from .matrix_processing import max_row_column
 from .mesh.measure import box_scale, unit_box

@@ -10,15 +10,17 @@ that the map tears off (a hand sent to the other arm) are not believed: they fol
 from __future__ import annotations
 
 from dataclasses import dataclass
+from weakref import WeakKeyDictionary
 
 import numpy as np
-import scipy
 import scipy.sparse as sp
 from scipy.sparse.csgraph import connected_components, dijkstra
 
-from .geometry.laplacian import factorized
+from .geometry.cholesky import Pattern
+from .geometry.nearest import Leaves, together
+from .geometry.rigidity import covariances, turned_sums
 from .geometry.rotations import nearest_rotations
-from .geometry.spectral import functional_map, nearest_rows
+from .geometry.spectral import functional_map
 from .hints import Hints, pinned
 from .mesh.measure import cross_products, vertex_sums
 from .preparing import each
@@ -136,9 +138,8 @@ def _register(
     some = _candidates(target)
     seen1, seen2 = source.descriptors[source.proxy][:, :shared], target.descriptors[:, :shared]
     goals = _features(there[some], normals2[some], spectral2[some], seen2[some])
-    # A tree is faster where there are few columns.
-    tree = None if whole else scipy.spatial.cKDTree(goals)
-    drawing = np.searchsorted(some, drawers)
+    among, drawing = Leaves(goals), goals[np.searchsorted(some, drawers)]
+    beside = together(here[source.proxy])
     body = _body(source)
     pins = None if hints is None else hints.pins(source, target, there)
     places, positions, turns = there[image], there[image], np.empty(0)
@@ -152,8 +153,8 @@ def _register(
             transfer = functional_map(spectral1[held], spectral2[image[held]])
             turned = np.einsum("ni,nij->nj", normals1, turns)
             seekers = _features(positions, turned, spectral1 @ transfer, seen1)
-            image = some[nearest_rows(seekers, goals) if tree is None else tree.query(seekers)[1]]
-            drawn = nearest_rows(goals[drawing], seekers)
+            image = some[among.nearest(seekers)]
+            drawn = Leaves(seekers, beside).nearest(drawing)
             number = 1 + np.bincount(drawn, minlength=len(image))
             drawing_to = [np.bincount(drawn, axis, len(image)) for axis in there[drawers].T]
             places = (np.stack(drawing_to, axis=1) + there[image]) / number[:, None]
@@ -197,27 +198,33 @@ class Body:
     """A graph of points (p, 3) with edges (E, 2), of which each neighbourhood would rather turn than change."""
 
     def __init__(self, rest: np.ndarray, edges: np.ndarray) -> None:
-        self._start, self._end = np.concatenate([edges, edges[:, ::-1]]).T
+        size = len(rest)
+        start, end = np.concatenate([edges, edges[:, ::-1]]).T
+        order = np.argsort(start, kind="stable")
+        self._start, self._end = start[order], end[order]
+        self._starts = np.searchsorted(self._start, np.arange(size + 1))
         self._rest = rest[self._start] - rest[self._end]
-        size, ones = len(rest), np.ones(len(self._start))
-        self._sum = sp.csr_matrix((ones, (self._start, np.arange(len(ones)))), shape=(size, len(ones)))
-        self._laplacian = sp.diags(np.bincount(self._start, minlength=size).astype(float)) - sp.csr_matrix(
-            (ones, (self._start, self._end)), shape=(size, size)
-        )
+        self._lengths = np.linalg.norm(self._rest, axis=1)
+        everyone, degrees = np.arange(size), np.diff(self._starts).astype(float)
+        entries = np.concatenate([-np.ones(len(start)), degrees])
+        rows, columns = np.concatenate([self._start, everyone]), np.concatenate([self._end, everyone])
+        self._laplacian = sp.csr_matrix((entries, (rows, columns)), shape=(size, size))
+        self._pattern = Pattern(self._laplacian, np.ones(size))
 
     def held(self, images: np.ndarray) -> np.ndarray:
         """Which points (p,) bool images (p, 3) leave whole: the largest piece, and those that lie beside it as before.
 
         A piece that is only cut off by a few wrong points stays; one that was sent elsewhere does not.
         """
-        lengths, size = np.linalg.norm(self._rest, axis=1), len(images)
-        kept = np.linalg.norm(images[self._start] - images[self._end], axis=1) < lengths + TEAR
-        graph = sp.csr_matrix((kept[kept], (self._start[kept], self._end[kept])), shape=(size, size))
+        size = len(images)
+        kept = np.linalg.norm(images[self._start] - images[self._end], axis=1) < self._lengths + TEAR
+        starts = np.concatenate([[0], np.cumsum(kept)])[self._starts]
+        graph = sp.csr_matrix((self._lengths[kept], self._end[kept], starts), shape=(size, size))
         number, pieces = connected_components(graph, directed=False)
         found = pieces == np.bincount(pieces).argmax()
         if number == 1:
             return np.asarray(found)
-        paths = sp.csr_matrix((lengths, (self._start, self._end)), shape=(size, size))
+        paths = sp.csr_matrix((self._lengths, self._end, self._starts), shape=(size, size))
         apart, _, beside = dijkstra(paths, indices=np.flatnonzero(found), min_only=True, return_predecessors=True)
         drift = np.linalg.norm(images - images[beside], axis=1) - apart
         nearest = np.lexsort((apart, pieces))
@@ -231,18 +238,23 @@ class Body:
 
         Turning and moving take turns.
         """
-        factors = factorized(self._laplacian + sp.diags(trust))
+        factors = self._pattern.factors(self._laplacian.data, trust)
         for _ in range(steps):
-            moved = positions[self._start] - positions[self._end]
-            products = (self._rest[:, :, None] * moved[:, None, :]).reshape(-1, 9)
-            turns = nearest_rotations((self._sum @ products).reshape(-1, 3, 3))
-            wanted = np.einsum("ei,eij->ej", self._rest, turns[self._start] + turns[self._end]) / 2
-            positions = factors.solve(self._sum @ wanted + trust[:, None] * places)
+            turns = nearest_rotations(covariances(self._starts, self._end, self._rest, positions))
+            wanted = turned_sums(self._starts, self._end, self._rest, turns)
+            positions = factors.solve(wanted + trust[:, None] * places)
         return positions, turns
 
 
+_bodies: WeakKeyDictionary[Surface, Body] = WeakKeyDictionary()
+
+
 def _body(source: Surface) -> Body:
-    return Body(source.mesh.vertices[source.proxy] / np.sqrt(source.area), source.proxy_edges)
+    """The source's proxy, which is bent along several explanations."""
+    found = _bodies.get(source)
+    if found is None:
+        found = _bodies[source] = Body(source.mesh.vertices[source.proxy] / np.sqrt(source.area), source.proxy_edges)
+    return found
 
 
 def vertex_normals(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:

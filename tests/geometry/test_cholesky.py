@@ -24,6 +24,15 @@ def test_one_pattern_solves_all_that_has_it(shape):
         np.testing.assert_allclose(found, expected, rtol=1e-9, atol=1e-9 * np.abs(expected).max())
 
 
+def test_several_columns_at_once():
+    mesh, generator = intrinsic_mesh(*lump(2)), np.random.default_rng(0)
+    factors = mesh.pattern.factors(mesh.laplacian.data, mesh.masses)
+    right = generator.normal(size=(mesh.n_vertices, 3))
+    found = factors.solve(right)
+    assert found.shape == right.shape
+    np.testing.assert_array_equal(found, np.stack([factors.solve(column) for column in right.T], axis=1))
+
+
 def test_other_entries_and_zeros_among_them():
     """Random symmetric matrices that are not definite, entries of the pattern left out."""
     generator = np.random.default_rng(1)

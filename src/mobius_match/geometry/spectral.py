@@ -10,8 +10,8 @@ from .laplacian import IntrinsicMesh
 SHIFT = 1e-2
 """Eigenvalues are looked for about minus this: the Laplacian itself is singular."""
 
-BLOCK = 100
-"""Rows whose distances are held at a time; few enough to stay near the processor."""
+RIDGE = 1e-11
+"""Added to squares, per their sum, where a map of functions is fitted."""
 
 
 def eigenbasis(mesh: IntrinsicMesh, count: int) -> tuple[np.ndarray, np.ndarray]:
@@ -70,15 +70,9 @@ def functional_map(source: np.ndarray, target: np.ndarray) -> np.ndarray:
         (p, k1) and (p, k2): the eigenfunctions at points of the source and at their images. The map takes a row of
         the first to the row of the second, in the sense of least squares.
     """
-    return np.linalg.lstsq(source, target, rcond=None)[0]
-
-
-def nearest_rows(queries: np.ndarray, rows: np.ndarray) -> np.ndarray:
-    """Number of the nearest of ``rows`` (n, k) to each of ``queries`` (p, k), (p,) int64; the lowest of equal ones."""
-    # One more column, so that the product alone is the squared distance, but for what all rows share.
-    wide = np.hstack([-2 * rows, np.einsum("ij,ij->i", rows, rows)[:, None]])
-    asked = np.hstack([queries, np.ones((len(queries), 1), queries.dtype)])
-    found = np.empty(len(queries), np.int64)
-    for start in range(0, len(queries), BLOCK):
-        np.argmin(asked[start : start + BLOCK] @ wide.T, axis=1, out=found[start : start + BLOCK])
-    return found
+    # A fifth of the time of an orthogonal decomposition, and eigenfunctions are nearly orthogonal. Where there are too
+    # few points to tell, the ridge leaves the least of all solutions.
+    source, target = source.astype(np.float64, copy=False), target.astype(np.float64, copy=False)
+    gram = source.T @ source
+    gram[np.diag_indices_from(gram)] += RIDGE * np.trace(gram)
+    return np.linalg.solve(gram, source.T @ target)
