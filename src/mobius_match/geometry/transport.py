@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 
 SHARPNESS = 0.45
@@ -12,6 +14,9 @@ ITERATIONS = 10
 
 BALANCE = 0.8
 """How strictly the masses of the second set bind: 1 leaves no point of it over, 0 takes the nearest point alone."""
+
+ROWS, CANDIDATES = 64, 500
+"""Rows of a plan that are worked on at a time, and candidates for the images of further points."""
 
 
 class Transport:
@@ -34,27 +39,36 @@ class Transport:
         second: np.ndarray,
         balance: float = BALANCE,
     ) -> None:
-        self.first = first.astype(np.float32)
-        self._balance = balance
-        squared = _squared_distances(self.first, second)
-        self._nearest = squared.min(axis=1, keepdims=True)
-        squared -= self._nearest
-        some = squared[:: max(1, len(squared) // 200)]
-        number = min(NEIGHBOUR, squared.shape[1] - 1)
+        self._first, self._balance = first.astype(np.float32), np.float32(balance)
+        # Everything in place: fresh memory of this size costs as much as what is done with it.
+        kernel = _squared_distances(self._first, second)
+        self._nearest = kernel.min(axis=1)
+        kernel -= self._nearest[:, None]
+        some = kernel[:: max(1, len(kernel) // 200)]
+        number = min(NEIGHBOUR, kernel.shape[1] - 1)
         self.temperature = SHARPNESS * float(np.median(np.partition(some, number, axis=1)[:, number])) + 1e-12
-        kernel = self._kernel(squared)
+        self._to_kernel(kernel)
         size1, size2 = map(np.float32, kernel.shape)
         received = np.ones(kernel.shape[1], np.float32)
         for _ in range(ITERATIONS):
-            self._sent = 1 / (kernel @ received)
-            received = (size1 / size2 / (self._sent @ kernel)) ** np.float32(balance)
+            mass = np.zeros_like(received)
+            for block in _blocks(kernel):
+                mass += (1 / (block @ received)) @ block
+            received = (size1 / size2 / mass) ** self._balance
         self._sent = 1 / (kernel @ received)
-        self.plan: np.ndarray = self._sent[:, None] * kernel * received
+        kernel *= self._sent[:, None]
+        kernel *= received
+        self.plan: np.ndarray = kernel
         """(p1, p2) float32: which part of each point's mass goes where; rows sum to 1."""
 
-    def _kernel(self, squared: np.ndarray) -> np.ndarray:
-        # The floor keeps every sum positive; it is far below what any match is worth.
-        return np.exp(np.maximum(squared, 0.0) / -self.temperature) + np.float32(1e-20)
+    def _to_kernel(self, squared: np.ndarray) -> None:
+        """Squared distances beyond the nearest to what mass passes through, in place."""
+        for block in _blocks(squared):
+            np.maximum(block, 0, out=block)
+            block *= np.float32(-1 / self.temperature)
+            np.exp(block, out=block)
+            # The floor keeps every sum positive; it is far below what any match is worth.
+            block += np.float32(1e-20)
 
     def images(self, queries: np.ndarray, candidates: np.ndarray) -> np.ndarray:
         """Where further points of the first space go among further points of the second: numbers (q,) int64.
@@ -66,18 +80,35 @@ class Transport:
         queries, candidates
             (q, k) and (c, k) features in the same spaces.
         """
-        offer = np.zeros(len(candidates), np.float32)
-        for block in np.array_split(np.arange(len(candidates)), 1 + len(candidates) // 4000):
-            offer[block] = self._sent @ self._kernel(_squared_distances(self.first, candidates[block]) - self._nearest)
-        toll = self.temperature * self._balance * np.log(offer)
-        found = np.empty(len(queries), np.int64)
-        size = max(1, 4_000_000 // len(candidates))
-        for start in range(0, len(queries), size):
-            squared = _squared_distances(queries[start : start + size], candidates)
-            found[start : start + size] = np.argmin(squared + toll, axis=1)
+        queries = queries.astype(np.float32)
+        same = np.array_equal(queries, self._first)
+        found, least = np.zeros(len(queries), np.int64), np.full(len(queries), np.inf, np.float32)
+        for start in range(0, len(candidates), CANDIDATES):
+            some = candidates[start : start + CANDIDATES]
+            squared = _squared_distances(self._first, some)
+            apart = squared.copy() if same else _squared_distances(queries, some)
+            squared -= self._nearest[:, None]
+            self._to_kernel(squared)
+            apart += np.float32(self.temperature) * self._balance * np.log(self._sent @ squared)
+            nearest = apart.argmin(axis=1)
+            value = apart[np.arange(len(queries)), nearest]
+            better = value < least
+            found[better], least[better] = start + nearest[better], value[better]
         return found
 
 
+def _blocks(array: np.ndarray) -> Iterator[np.ndarray]:
+    """Some rows at a time, few enough to stay near the processor."""
+    return (array[start : start + ROWS] for start in range(0, len(array), ROWS))
+
+
 def _squared_distances(first: np.ndarray, second: np.ndarray) -> np.ndarray:
-    first, second = first.astype(np.float32, copy=False), second.astype(np.float32, copy=False)
-    return np.einsum("ij,ij->i", first, first)[:, None] + np.einsum("ij,ij->i", second, second) - 2 * first @ second.T
+    """(p1, p2) float32, as one product: two more columns hold the squares of each side."""
+    sides = []
+    for factor, points, own in ((-2, first, -2), (1, second, -1)):
+        wide = np.ones((len(points), points.shape[1] + 2), np.float32)
+        wide[:, :-2] = points
+        wide[:, own] = np.einsum("ij,ij->i", wide[:, :-2], wide[:, :-2])
+        wide[:, :-2] *= factor
+        sides.append(wide)
+    return sides[0] @ sides[1].T
