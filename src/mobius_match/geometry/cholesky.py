@@ -176,8 +176,9 @@ def _solve(
         work[order[i]] = right[i]
     for j in range(n):
         found = work[j]
-        for place in range(start[j] + 1, start[j + 1]):
-            work[rows[place]] -= values[place] * found
+        if found != 0.0:  # nothing spreads from most columns where there is but one source
+            for place in range(start[j] + 1, start[j + 1]):
+                work[rows[place]] -= values[place] * found
         work[j] = found / values[start[j]]
     for j in range(n - 1, -1, -1):
         # Two sums at once: each addition waits for the one before.
