@@ -1,7 +1,7 @@
 """How far a match can be trusted: the chance that it lies within 5 % of the diameter of its true place.
 
 Beyond the paper, whose confidence is a share of the votes. Each sample of the source is asked how well its place on the
-target agrees with all that is known around it; four answers together give the chance.
+target agrees with all that is known around it; five answers together give the chance.
 """
 
 from __future__ import annotations
@@ -9,6 +9,7 @@ from __future__ import annotations
 import numpy as np
 import scipy.sparse as sp
 
+from .mesh.measure import cross_products
 from .registration import Registration, edge_stretches
 from .surface import Surface
 
@@ -18,14 +19,17 @@ NEAR = 0.15
 VOTED = 0.1
 """Distance per sqrt(area) from a match at which a vote supports it by 1 / e."""
 
+AROUND = 0.12
+"""Distance per sqrt(area) up to which the surface around a place tells how firmly it is held there."""
+
 NEIGHBOURS = 4
 """Vertices of the proxy that a distance is interpolated from."""
 
-FLOORS = {"distances": 0.01, "misfit": 0.01, "stretch": 0.02, "votes": 0.05}
+FLOORS = {"distances": 0.01, "misfit": 0.01, "stretch": 0.02, "votes": 0.05, "firmness": 0.02}
 """What each kind of evidence is at least, in the units it is measured in, so that its logarithm tells little near 0."""
 
-SLOPES = {"distances": -0.51, "misfit": -1.78, "stretch": -1.77, "votes": 0.62}
-OFFSET = -7.59
+SLOPES = {"distances": -0.52, "misfit": -2.16, "stretch": -1.59, "votes": 0.71, "firmness": 0.64}
+OFFSET = -7.49
 """Logistic regression of being right on the logarithms of the evidence, over animals and people in many poses: the
 ratio of the slopes for being within 2 % of the diameter, which ranks better, their size and the offset for 5 %."""
 
@@ -68,7 +72,26 @@ def evidence(
         "misfit": (around @ registration.misfit)[samples],
         "stretch": (around @ (around @ stretched))[samples],
         "votes": supporting.sum(axis=1) / np.maximum(votes.sum(axis=1), np.finfo(float).tiny),
+        "firmness": firmness(target, target.mesh.vertices[registration.image[samples]]),
     }
+
+
+def firmness(surface: Surface, places: np.ndarray) -> np.ndarray:
+    """How firmly the shape around places (p, 3) of a surface holds a copy of it: (p,), from 0 to 1/3.
+
+    The least eigenvalue of the mean of n n', n being the normals of the faces around. It is 0 where a copy could slide
+    without changing the picture, in a plane or along a cylinder, and 1/3 at the end of a finger.
+    """
+    vertices, faces = surface.mesh.vertices, surface.mesh.faces
+    scale = np.sqrt(surface.area)
+    crosses = cross_products(vertices / scale, faces)
+    sizes = np.maximum(np.linalg.norm(crosses, axis=1), np.finfo(float).tiny)
+    centres = vertices[faces].mean(axis=1)
+    squared = sum(np.subtract.outer(place, centre) ** 2 for place, centre in zip(places.T, centres.T, strict=True))
+    near = np.where(squared <= (AROUND * scale) ** 2, sizes, 0.0)
+    squares = (crosses[:, :, None] * crosses[:, None] / sizes[:, None, None] ** 2).reshape(-1, 9)
+    means = near @ squares / np.maximum(near.sum(axis=1, keepdims=True), np.finfo(float).tiny)
+    return np.asarray(np.linalg.eigvalsh(means.reshape(-1, 3, 3))[:, 0])
 
 
 def distances_of_places(source: Surface, target: Surface, registration: Registration) -> np.ndarray:

@@ -10,17 +10,19 @@ the Laplacian, curvature.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import partial
 from itertools import product
 from operator import attrgetter
 
 import numpy as np
 
+from .geometry.geodesics import nearest_centres
 from .geometry.spectral import functional_map
 from .geometry.transport import Transport
 from .hints import ASTRAY, Hints
 from .mobius import homogeneous
 from .preparing import each
-from .registration import Registration, register, sketched, strain
+from .registration import Registration, is_torn, register, sketched, strain
 from .settings import MatchSettings
 from .surface import Progress, Surface
 from .voting import Votes, cast_votes
@@ -90,9 +92,21 @@ class Explanation:
 
     def registered(self, source: Surface, target: Surface, jobs: int | None = 1) -> Registration:
         """The source bent onto the target along this explanation."""
-        return self.registration or register(
-            source, target, finer_targets(source, target, self, source.proxy), hints=self.hints, jobs=jobs
+        if self.registration is not None:
+            return self.registration
+        image = finer_targets(source, target, self, source.proxy)
+        # A piece that was torn off by a few wrong points beside it is better believed.
+        ways = (True, False) if is_torn(source, target, image) else (True,)
+        found = each(
+            lambda i, _: register(source, target, image, freeing=ways[i], hints=self.hints), len(ways), jobs, None
         )
+        return found[0] if len(found) == 1 else min(found, key=partial(_misgivings, source, target))
+
+
+def _misgivings(source: Surface, target: Surface, registration: Registration) -> float:
+    """What speaks against the source bent in one way, to be compared with another: its strain, and what maps tell."""
+    place = nearest_centres(target.mesh.vertices, target.mesh.faces, target.proxy)
+    return strain(source, target, registration) + weighted(compare(source, target, place[registration.image]))
 
 
 def explanations(
@@ -127,7 +141,7 @@ def explanations(
         if hints is not None:
             astray = hints.astray(source, target, target.proxy[image])
             evidence["landmarks"] = float(np.maximum(astray - ASTRAY, 0.0).mean())
-        badness = sum(WEIGHTS[kind] * value for kind, value in evidence.items())
+        badness = weighted(evidence)
         return Explanation(target.proxy[image], evidence, badness, len(group) / len(pairs), hints=hints)
 
     found = each(lambda i, _: explained(groups[i], groups[i]), len(groups), jobs, None)
@@ -258,6 +272,11 @@ def compare(source: Surface, target: Surface, image: np.ndarray) -> dict[str, fl
         "mean curvature": mean,
         "gauss curvature": gauss,
     }
+
+
+def weighted(evidence: dict[str, float]) -> float:
+    """The weighted sum of evidence: how bad an explanation is."""
+    return sum(WEIGHTS[kind] * value for kind, value in evidence.items())
 
 
 def rank_correlation(first: np.ndarray, second: np.ndarray) -> float:

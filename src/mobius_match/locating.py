@@ -16,7 +16,7 @@ from .hints import Hints
 from .hypotheses import rank_correlation
 from .mesh.measure import cross_products
 from .mesh.topology import boundary_edges
-from .registration import ROUNDS, Registration, looks, register, vertex_normals
+from .registration import ROUNDS, TIGHT, Registration, looks, register, vertex_normals
 from .surface import Surface
 from .voting.agreement import agreement, as_far
 from .voting.groups import group_triplets
@@ -183,7 +183,8 @@ class Pair:
 
     def bent(self, image: np.ndarray, rounds: int = ROUNDS) -> Registration:
         """The part bent onto the whole along a map of its proxy (P1,) to the whole's."""
-        return register(self.part, self.whole, self.whole.proxy[image], whole=False, rounds=rounds, hints=self._hints)
+        image = self.whole.proxy[image]
+        return register(self.part, self.whole, image, whole=False, rounds=rounds, trusts=TIGHT, hints=self._hints)
 
     def landmarks(self, found: Registration) -> tuple[np.ndarray, np.ndarray]:
         """The landmarks that a registration places best: samples of the part and of the whole."""

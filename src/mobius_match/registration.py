@@ -23,11 +23,13 @@ from .geometry.rotations import nearest_rotations
 from .geometry.spectral import functional_map
 from .hints import Hints, pinned
 from .mesh.measure import cross_products, vertex_sums
-from .preparing import each
 from .surface import Surface
 
-TRUST = (0.02, 0.1, 0.3, 1.0, 3.0)
+TRUST = (0.02, 0.1, 0.3, 1.0)
 """Weight of the places against rigidity, from one round to the next; the first is for the map alone."""
+
+TIGHT = (*TRUST, 3.0)
+"""The same where explanations or places are judged by how the source is bent: what does not fit shows as strain."""
 
 ROUNDS = 3
 """How often the nearest points are looked for at each weight."""
@@ -86,8 +88,9 @@ def register(
     *,
     whole: bool = True,
     rounds: int = ROUNDS,
+    freeing: bool = True,
+    trusts: tuple[float, ...] = TRUST,
     hints: Hints | None = None,
-    jobs: int | None = 1,
 ) -> Registration:
     """Bend the source onto the target.
 
@@ -101,33 +104,13 @@ def register(
         Whether the source covers the target. If not, eigenfunctions do not count, and the target does not draw.
     rounds
         How often the nearest points are looked for at each weight.
+    freeing
+        Whether pieces that the map tears off are set free at first, to follow the body.
+    trusts
+        Weights of the places against rigidity; see :data:`TRUST`.
     hints
         Pairs that are known: the source is pinned there.
-    jobs
-        Threads; None for every processor. The result does not depend on it.
     """
-    torn = whole and not _body(source).held(target.mesh.vertices[image] / np.sqrt(target.area)).all()
-    # A piece that was torn off by a few wrong points beside it is better believed: what is strained less is right.
-    ways = (True, False) if torn else (True,)
-    found = each(lambda i, _: _register(source, target, image, whole, rounds, ways[i], hints), len(ways), jobs, None)
-    return min(found, key=lambda one: strain(source, target, one)) if torn else found[0]
-
-
-def sketched(source: Surface, target: Surface, image: np.ndarray, hints: Hints | None = None) -> Registration:
-    """:func:`register` in a fraction of the time: good enough to see which of several images is right."""
-    return _register(source, target, image, True, 1, True, hints)
-
-
-def _register(
-    source: Surface,
-    target: Surface,
-    image: np.ndarray,
-    whole: bool,
-    rounds: int,
-    freeing: bool,
-    hints: Hints | None,
-) -> Registration:
-    """:func:`register` with torn pieces set free or not."""
     centre = target.mesh.vertices.mean(axis=0)
     here, there = source.mesh.vertices / np.sqrt(source.area), (target.mesh.vertices - centre) / np.sqrt(target.area)
     normals1, normals2 = vertex_normals(here, source.mesh.faces)[source.proxy], vertex_normals(there, target.mesh.faces)
@@ -145,10 +128,8 @@ def _register(
     places, positions, turns = there[image], there[image], np.empty(0)
     everything = np.ones(len(image), bool)
     held = body.held(places) if freeing else everything
-    for trust in TRUST:
-        if trust == TRUST[0]:
-            positions, turns = body.settle(positions, *pinned(pins, places, trust * held, turns), SETTLING)
-            continue
+    positions, turns = body.settle(positions, *pinned(pins, places, trusts[0] * held, turns), SETTLING)
+    for trust in trusts[1:]:
         for _ in range(rounds):
             transfer = functional_map(spectral1[held], spectral2[image[held]])
             turned = np.einsum("ni,nij->nj", normals1, turns)
@@ -168,6 +149,16 @@ def _register(
         turns,
         1 - np.einsum("ij,ij->i", turned, normals2[image]),
     )
+
+
+def sketched(source: Surface, target: Surface, image: np.ndarray, hints: Hints | None = None) -> Registration:
+    """:func:`register` in a fraction of the time: good enough to see which of several images is right."""
+    return register(source, target, image, rounds=1, trusts=TIGHT, hints=hints)
+
+
+def is_torn(source: Surface, target: Surface, image: np.ndarray) -> bool:
+    """Whether a map of the source's proxy to target vertices (P1,) tears pieces off."""
+    return not _body(source).held(target.mesh.vertices[image] / np.sqrt(target.area)).all()
 
 
 def edge_stretches(source: Surface, target: Surface, registration: Registration) -> np.ndarray:

@@ -102,6 +102,19 @@ def test_matches_beside_the_listed_points_are_compared_with_the_nearest_of_these
     assert found["direct"] == pytest.approx([np.sqrt(2), 0, 3], abs=1e-9)
 
 
+def test_nearest_is_along_the_surface_not_across_a_gap():
+    """A strip folded in two, its halves closer to each other than the listed points of one half."""
+    vertices, faces = grid(20, 3)
+    folded = vertices.copy()
+    folded[vertices[:, 0] > 10, 0] = 20 - vertices[vertices[:, 0] > 10, 0]
+    folded[vertices[:, 0] > 10, 2] = 0.5
+    below, above, listed = 4 + 21, 16 + 21, np.array([2 + 21, 16 + 21])  # (4, 1), the point over it, and (2, 1)
+    mesh = Mesh(folded, faces)
+    found = scorer(mesh, mesh, Truth(listed, listed), size=1.0).score(np.array([[below, below]]), np.ones(1))
+    assert np.linalg.norm(folded[below] - folded[above]) < np.linalg.norm(folded[below] - folded[listed[0]])
+    assert found["direct"] == pytest.approx([2.0], abs=1e-9)
+
+
 def test_landmarks_are_compared_with_the_nearest_match():
     vertices, faces = grid(20, 15)
     mesh = Mesh(vertices, faces)

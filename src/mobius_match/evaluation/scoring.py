@@ -7,10 +7,9 @@ from functools import lru_cache
 from typing import Any
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from ..errors import FormatError
-from ..geometry.geodesics import geodesic_solver
+from ..geometry.geodesics import geodesic_solver, nearest_centres
 from ..mesh import Mesh
 from ..mesh.measure import areas, box_scale, unit_box
 from . import metrics
@@ -64,10 +63,11 @@ class Scorer:
     def score(self, pairs: np.ndarray, confidence: np.ndarray) -> dict[str, Any]:
         """Errors of matches (Q, 2), in vertex numbers of the user's files, in order of confidence (Q,).
 
-        A match is compared with the point of the truth that is nearest in space to the match's source. Where the
-        truth is a few landmarks, each landmark is compared with the match whose source is geodesically (by heat)
-        nearest to it, and the match has the mean error of its landmarks, NaN if it has none. Both count how far
-        the known points and the matches' sources lie apart as error; nothing is subtracted.
+        A match is compared with the point of the truth that is nearest to the match's source along edges: in space
+        that may lie on the other side of an ear, or on a leg that a hand touches. Where the truth is a few landmarks,
+        each landmark is compared with the match whose source is geodesically (by heat) nearest to it, and the match
+        has the mean error of its landmarks, NaN if it has none. Both count how far the known points and the matches'
+        sources lie apart as error; nothing is subtracted.
         """
         truth = self.truth
         first, second = _places(self.source, pairs[:, 0]), _places(self.target, pairs[:, 1])
@@ -77,7 +77,8 @@ class Scorer:
             matches = np.array([int(np.argmin(solver(int(vertex))[first])) for vertex in truth.source])
         else:
             matches = np.arange(len(pairs))
-            points = cKDTree(self.source.vertices[truth.source]).query(self.source.vertices[first])[1]
+            known, point = np.unique(truth.source, return_index=True)
+            points = point[nearest_centres(self.source.vertices, self.source.faces, known)[first]]
         found = self._errors(second[matches], points, truth, check=np.arange(len(matches)))
         if truth.landmarks:
             for name in ("direct", "mirrored"):
