@@ -42,7 +42,8 @@ function update() {
   $("least-value").textContent = state.least.toFixed(2);
   $("count").textContent = `${matches.length} of ${state.explanation.matches.length} matches`;
   $("status").textContent = current
-    ? `Match ${current.number + 1}` : matches.length ? "No match chosen" : "No match is so certain";
+    ? `Match ${current.number + 1}` : matches.length ? "No match chosen"
+      : state.explanation.matches.length ? "No match is so certain" : "There are no matches";
   const facts = current ? [
     [names[0], `vertex ${current.source}`], [names[1], `vertex ${current.target}`],
     ["confidence", current.confidence.toFixed(3)], ["kind", current.shown],
@@ -52,7 +53,7 @@ function update() {
   $("facts").replaceChildren(...facts.flatMap(([name, value]) => [element("dt", name), element("dd", value)]));
   $("turn").disabled = !view || !state.chosen;
   const sought = matches.filter(fits);
-  $("unfound").textContent = sought.length ? "" : "None of the matches has this number.";
+  $("unfound").textContent = sought.length || !$("find").value ? "" : "None of the matches has this number.";
   all("tbody tr").forEach((row, i) => {
     row.hidden = !sought.includes(state.explanation.matches[i]);
     if (state.explanation.matches[i] === state.chosen) row.setAttribute("aria-current", "true");
@@ -195,11 +196,11 @@ function pointing() {
   });
 }
 
-document.querySelector("h1").textContent = names.join(" \u2194 ");
+// Each name by itself: one that is written from the right must not turn what follows.
+document.querySelector("h1").append(element("bdi", names[0]), " \u2194 ", element("bdi", names[1]));
 all(".name").forEach((name, s) => {
   const { vertices, simplified } = data.sides[s];
-  name.textContent = `${s ? "Target" : "Source"}: ${names[s]}`;
-  name.append(element("span", `, ${vertices.toLocaleString("en")} vertices${simplified ? ", drawn with fewer" : ""}`));
+  name.append(s ? "Target: " : "Source: ", element("bdi", names[s]), element("span", `, ${vertices.toLocaleString("en")} vertices${simplified ? ", drawn with fewer" : ""}`));
 });
 try {
   view = new View($("view"), $("lines"), data);

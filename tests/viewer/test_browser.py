@@ -317,6 +317,31 @@ def test_names_and_notes_of_files_stay_text(browser, tmp_path, mesh, result):
         assert [url for url in browser.requests() if not url.startswith("data:")] == []
 
 
+def test_a_name_written_from_the_right_turns_nothing_else(browser, tmp_path, mesh, result):
+    path = tmp_path / "turned.html"
+    path.write_text(page(replace(result, source_info=info(mesh, "\u202eabc.off"))), encoding="utf-8")
+    browser.open(path)
+    one, other = browser.run(
+        "[...document.querySelectorAll('h1 bdi')].map((name) => name.getBoundingClientRect().left)"
+    )
+    assert one < other
+    assert browser.run("document.querySelector('h1').textContent") == "\u202eabc.off \u2194 two.off"
+
+
+def test_no_matches_at_all(browser, tmp_path, result):
+    path = tmp_path / "none.html"
+    nothing = replace(
+        result, pairs=result.pairs[:0], confidence=result.confidence[:0], kind=result.kind[:0], others=lambda: ()
+    )
+    path.write_text(page(nothing), encoding="utf-8")
+    browser.open(path)
+    assert browser.run(STATUS) == "There are no matches"
+    for name in ("ArrowRight", "Escape"):
+        browser.key(name)
+    assert browser.run(ROWS) == []
+    assert browser.complaints() == []
+
+
 def test_without_webgl_the_table_is_left(browser, file, result):
     cut = browser.call(
         "Page.addScriptToEvaluateOnNewDocument", source="HTMLCanvasElement.prototype.getContext = () => null"

@@ -144,8 +144,8 @@ def _landmarks(path: Path, heads: list[str], rows: list[tuple[int, list[str]]]) 
     points = vertices = None
     if {"x", "y", "z"} <= set(heads):
         points = numbers(path, rows, [heads.index(name) for name in "xyz"]).astype(np.float64)
-        for (line, _), infinite in zip(rows, np.isinf(points).any(axis=1), strict=True):
-            if infinite:
+        for (line, _), point in zip(rows, points, strict=True):
+            if np.isinf(point).any():
                 raise FormatError(f"{path}: line {line} has a coordinate that is not a finite number.")
     if "vertex" in heads:
         column = numbers(path, rows, [heads.index("vertex")])[:, 0]
