@@ -87,7 +87,7 @@ def test_a_loaded_result_reads_its_meshes_and_keeps_its_alternatives(tmp_path, r
     loaded = Correspondence.load(file)
     assert page(loaded) == page(live)
     assert loaded.alternatives[0].share == 0.25
-    with pytest.raises(MeshError, match="(?i)match again"):
+    with pytest.raises(MeshError, match="atch again"):
         page(replace(loaded, source_info={**known, "sha256": "0"}))
 
 
