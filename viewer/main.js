@@ -3,6 +3,7 @@ import page from "./page.html";
 import style from "./style.css";
 import { css, csv, read } from "./data.js";
 import { Insight, stops } from "./insight.js";
+import { picture } from "./picture.js";
 import { STRIP, View } from "./scene.js";
 
 const data = read(document);
@@ -266,7 +267,12 @@ $("find").addEventListener("keydown", (event) => {
   }
 });
 $("theme").addEventListener("click", () => theme(document.documentElement.dataset.theme === "dark" ? "light" : "dark"));
-$("picture").addEventListener("click", () => view?.picture(names, (blob) => download("matches.png", blob)));
+$("picture").addEventListener("click", () => {
+  if (!view) return;
+  const painted = view.colouring?.scale && { name: view.colouring.name, ...view.colouring.scale };
+  const scale = painted ?? (state.byError ? { name: "Error", ...data.errors.scale } : null);
+  picture(view, names, scale, (blob) => download("matches.png", blob));
+});
 $("json").addEventListener("click", () => download("matches.json", new Blob([data.text], { type: "application/json" })));
 $("csv").addEventListener("click", () =>
   download("matches.csv", new Blob([csv(state.explanation.matches)], { type: "text/csv" })));

@@ -175,10 +175,10 @@ export class View {
     this.resize();
   }
 
-  resize() {
+  // With so many pixels of the canvas along one of CSS.
+  resize(ratio = Math.min(window.devicePixelRatio, 2)) {
     const { clientWidth: w, clientHeight: h } = this.canvas;
     if (!w || !h) return;
-    const ratio = Math.min(window.devicePixelRatio, 2);
     this.renderer.setPixelRatio(ratio);
     this.renderer.setSize(w, h, false);
     this.lines.width = w * ratio;
@@ -268,24 +268,6 @@ export class View {
     ray.setFromCamera(new Vector2(projected.x, projected.y), this.camera);
     const first = ray.intersectObject(this.sides[s].surface.mesh)[0];
     return first !== undefined && first.distance < ray.ray.origin.distanceTo(at) - 1.1 * this.size(match);
-  }
-
-  // The canvas with the lines and the names, as a PNG.
-  picture(names, then) {
-    this.draw();
-    const { width, height } = this.canvas;
-    const sheet = new OffscreenCanvas(width, height);
-    const context = sheet.getContext("2d");
-    const style = getComputedStyle(document.documentElement);
-    context.fillStyle = style.getPropertyValue("--paper");
-    context.fillRect(0, 0, width, height);
-    context.drawImage(this.canvas, 0, 0);
-    context.drawImage(this.lines, 0, 0);
-    const ratio = width / this.canvas.clientWidth;
-    context.fillStyle = style.getPropertyValue("--soft");
-    context.font = `${14 * ratio}px system-ui, sans-serif`;
-    this.boxes().forEach(([x, y], s) => context.fillText(names[s], (x + 12) * ratio, (y - STRIP + 22) * ratio));
-    sheet.convertToBlob({ type: "image/png" }).then(then);
   }
 }
 

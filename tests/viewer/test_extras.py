@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from matplotlib.image import imread
 
 from mobius_match.dense import SurfaceMap
 from mobius_match.viewer import packing, page
@@ -94,6 +95,21 @@ def test_distortions_have_a_legend_with_their_units(full):
     assert full.run("spheres.checked") is False
     colouring(full, "Plain")
     assert full.run("[spheres.checked, document.getElementById('scale').hidden]") == [True, True]
+
+
+def test_a_saved_picture_has_the_scale_of_its_colours(full, tmp_path):
+    def corner(name):
+        (tmp_path / name).mkdir()
+        drawn = imread(downloaded(full, tmp_path / name, "picture"))[:, :, :3]
+        return drawn[-58, [-400, -40]]  # both ends of the scale
+
+    assert np.ptp(corner("plain")) < 0.02
+    colouring(full, "Change of area")
+    assert np.abs(255 * corner("area") - [rgb(packing.DIVERGING[k]) for k in (0, -1)]).max() < 60
+    colouring(full, "Plain")
+    choose(full, "marked", 1)
+    good, bad = corner("error")
+    assert good.max() > bad.max() + 0.2
 
 
 def test_the_texture_is_on_both_and_follows_the_morph(browser, textured, tmp_path):
