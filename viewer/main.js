@@ -201,7 +201,8 @@ function pointing() {
 document.querySelector("h1").append(element("bdi", names[0]), " \u2194 ", element("bdi", names[1]));
 all(".name").forEach((name, s) => {
   const { vertices, simplified } = data.sides[s];
-  name.append(s ? "Target: " : "Source: ", element("bdi", names[s]), element("span", `, ${vertices.toLocaleString("en")} vertices${simplified ? ", drawn with fewer" : ""}`));
+  const size = `, ${vertices.toLocaleString("en")} vertices${simplified ? ", drawn with fewer" : ""}`;
+  name.append(s ? "Target: " : "Source: ", element("bdi", names[s]), element("span", size));
 });
 try {
   view = new View($("view"), $("lines"), data);

@@ -51,7 +51,7 @@ export class View {
     this.matches = matches;
     this.chosen = chosen;
     const kinds = [[], [], []];
-    for (const match of matches) kinds[{ voted: 0, given: 2 }[match.shown] ?? 1].push(match);
+    for (const match of matches) kinds[match.given ? 2 : match.kind === "voted" ? 0 : 1].push(match);
     this.sides.forEach((side, s) => {
       side.points = s || !this.time ? explanation.points[s]
         : this.#between([explanation.points[0], ...explanation.moved]);

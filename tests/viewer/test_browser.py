@@ -297,7 +297,7 @@ def test_names_and_notes_of_files_stay_text(browser, tmp_path, mesh, result):
         source_info=info(mesh, name),
         target_info={**info(mesh, "<script>alert(1)<\\script>"), "more": "</script>" + script + "<!--<script>"},
         warnings=(script, "]]>--></script>" + script),
-        kind=np.array(["voted", script] * 12),
+        kind=np.array(["voted", script, "constructor"] * 8),
         source=Prepared(mesh),
         target=Prepared(mesh),
     )
