@@ -238,7 +238,7 @@ def test_a_loaded_result_reads_its_meshes_again(tmp_path):
 
 def test_a_loaded_result_of_arrays_is_refused():
     mesh, (front, *_) = ball()
-    with pytest.raises(MeshError, match="made from arrays"):
+    with pytest.raises(MeshError, match="given as arrays"):
         drawn(replace(result_of(mesh, mesh, [(front, front)]), source=None))
 
 

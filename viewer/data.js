@@ -66,7 +66,8 @@ function explanation(one, rows, page) {
     colours,
     wrong,
     matches: rows.map((row, i) => ({
-      ...row, number: i, certain: Math.min(Math.max(row.confidence, 0), 1), error: errors ? errors[i] : undefined,
+      ...row, number: i, shown: row.given ? "given" : row.kind, certain: Math.min(Math.max(row.confidence, 0), 1),
+      error: errors ? errors[i] : undefined,
     })),
     points: one.points.map(floats),
     moved: page.morph && parts(floats(one.moved), page.morph.frames - 1),
@@ -108,7 +109,9 @@ export function css(colours, i) {
 export function csv(matches) {
   const errors = matches.some((m) => m.error !== undefined);
   const lines = matches.map((m) => [
-    m.source, m.target, m.confidence, m.kind === "voted" ? "voted" : "recovered", ...(errors ? [m.error ?? ""] : []),
+    m.source, m.target, m.confidence, m.kind === "voted" ? "voted" : "recovered", m.given ? 1 : 0, 0,
+    ...(errors ? [m.error ?? ""] : []),
   ]);
-  return [["source", "target", "confidence", "kind", ...(errors ? ["error"] : [])], ...lines].join("\n") + "\n";
+  const heads = ["source", "target", "confidence", "kind", "given", "index_base", ...(errors ? ["error"] : [])];
+  return [heads, ...lines].join("\n") + "\n";
 }

@@ -3,6 +3,11 @@ import { along, css } from "./data.js";
 
 const STOPS = ["#fbf3d5", "#f2c166", "#d97f3c", "#933d4e", "#2e144f"];
 
+// The colours of the matrix, from no votes, which are as the ground is.
+export function stops() {
+  return document.documentElement.dataset.theme === "dark" ? [...STOPS].reverse() : STOPS;
+}
+
 export class Insight {
   // `canvases` are those of the source's plane, of the target's, and of the matrix; `told` takes what is pointed at.
   constructor(canvases, data, told, picked) {
@@ -92,12 +97,12 @@ export class Insight {
     const { rows, columns, matrix } = this.data;
     const context = this.#context(2);
     const { clientWidth: w, clientHeight: h } = this.canvases[2];
-    const stops = document.documentElement.dataset.theme === "dark" ? [...STOPS].reverse() : STOPS;
+    const colours = stops();
     const small = new OffscreenCanvas(columns.length, rows.length);
     const image = new ImageData(columns.length, rows.length);
     rows.forEach((i, y) => columns.forEach((j, x) => {
       const share = matrix[i * columns.length + j] / 65535;
-      image.data.set([...along(stops, Math.sqrt(share)), 255], 4 * (y * columns.length + x));
+      image.data.set([...along(colours, Math.sqrt(share)), 255], 4 * (y * columns.length + x));
     }));
     small.getContext("2d").putImageData(image, 0, 0);
     context.imageSmoothingEnabled = false;

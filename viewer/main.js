@@ -2,8 +2,9 @@
 import page from "./page.html";
 import style from "./style.css";
 import { css, csv, read } from "./data.js";
-import { Insight } from "./insight.js";
-import { View } from "./scene.js";
+import { Insight, stops } from "./insight.js";
+import { picture } from "./picture.js";
+import { STRIP, View } from "./scene.js";
 
 const data = read(document);
 document.head.appendChild(document.createElement("style")).textContent = style;
@@ -29,7 +30,10 @@ function theme(name) {
   document.documentElement.dataset.theme = name;
   $("theme").textContent = name === "dark" ? "Light" : "Dark";
   view?.theme();
-  insight?.draw();
+  if (insight) {
+    scale("votes-scale", { colours: stops(), labels: ["0", "25 %", "most votes"] }); // by the root of their share
+    insight.draw();
+  }
 }
 
 function update() {
@@ -39,16 +43,20 @@ function update() {
   $("least-value").textContent = state.least.toFixed(2);
   $("count").textContent = `${matches.length} of ${state.explanation.matches.length} matches`;
   $("status").textContent = current
-    ? `Match ${current.number + 1}` : matches.length ? "No match chosen" : "No match is so certain";
+    ? `Match ${current.number + 1}` : matches.length ? "No match chosen"
+      : state.explanation.matches.length ? "No match is so certain" : "There are no matches";
   const facts = current ? [
     [names[0], `vertex ${current.source}`], [names[1], `vertex ${current.target}`],
-    ["confidence", current.confidence.toFixed(3)], ["kind", current.kind],
+    ["confidence", current.confidence.toFixed(3)], ["kind", current.shown],
     ...(current.error === undefined ? [] : [["error", wrongness(current.error)]]),
   ] : [];
   $("hint").hidden = current !== null;
   $("facts").replaceChildren(...facts.flatMap(([name, value]) => [element("dt", name), element("dd", value)]));
+  $("turn").disabled = !view || !state.chosen;
+  const sought = matches.filter(fits);
+  $("unfound").textContent = sought.length || !$("find").value ? "" : "None of the matches has this number.";
   all("tbody tr").forEach((row, i) => {
-    row.hidden = state.explanation.matches[i].certain < state.least;
+    row.hidden = !sought.includes(state.explanation.matches[i]);
     if (state.explanation.matches[i] === state.chosen) row.setAttribute("aria-current", "true");
     else row.removeAttribute("aria-current");
     row.querySelector("i").style.background = css(colours(), i);
@@ -56,6 +64,12 @@ function update() {
   const drawn = $("spheres").checked ? matches : matches.filter((match) => match === current);
   view?.show(state.explanation, drawn, current, colours());
   insight?.show(matches, current, state.explanation.colours);
+}
+
+// Whether the number of a match or of one of its vertices begins as what is looked for.
+function fits(match) {
+  const sought = $("find").value.trim();
+  return [match.number + 1, match.source, match.target].some((number) => String(number).startsWith(sought));
 }
 
 function wrongness(error) {
@@ -91,6 +105,8 @@ function step(by) {
 function explain(k) {
   state.explanation = data.explanations[k];
   state.chosen = state.hovered = null;
+  $("find").value = "";
+  $("given").hidden = !state.explanation.matches.some((match) => match.given);
   $("explained").textContent = state.explanation.note;
   const errors = (state.explanation.errors ?? []).filter((error) => error !== null);
   const mean = errors.reduce((sum, error) => sum + error, 0) / errors.length;
@@ -105,7 +121,7 @@ function explain(k) {
     button.append(spot, String(match.number + 1));
     button.addEventListener("click", () => choose(match));
     const error = match.error === undefined ? [] : [match.error === null ? "" : (100 * match.error).toFixed(1)];
-    row.append(...["", match.source, match.target, match.confidence.toFixed(3), ...error, match.kind].map(
+    row.append(...["", match.source, match.target, match.confidence.toFixed(3), ...error, match.shown].map(
       (value) => element("td", value)));
     row.firstChild.append(button);
     return row;
@@ -151,7 +167,7 @@ function follow() {
   all(".name").forEach((name, s) => {
     const [x, y, width] = view.boxes()[s];
     name.lastChild.hidden = width < 380;
-    Object.assign(name.style, { left: `${x}px`, top: `${y + 8}px`, maxWidth: `${width}px` });
+    Object.assign(name.style, { left: `${x}px`, top: `${y - STRIP + 7}px`, maxWidth: `${width}px` });
   });
 }
 
@@ -181,11 +197,12 @@ function pointing() {
   });
 }
 
-document.querySelector("h1").textContent = names.join(" \u2194 ");
+// Each name by itself: one that is written from the right must not turn what follows.
+document.querySelector("h1").append(element("bdi", names[0]), " \u2194 ", element("bdi", names[1]));
 all(".name").forEach((name, s) => {
   const { vertices, simplified } = data.sides[s];
-  name.textContent = `${s ? "Target" : "Source"}: ${names[s]}`;
-  name.append(element("span", `, ${vertices.toLocaleString("en")} vertices${simplified ? ", drawn with fewer" : ""}`));
+  const size = `, ${vertices.toLocaleString("en")} vertices${simplified ? ", drawn with fewer" : ""}`;
+  name.append(s ? "Target: " : "Source: ", element("bdi", names[s]), element("span", size));
 });
 try {
   view = new View($("view"), $("lines"), data);
@@ -239,15 +256,31 @@ $("all-lines").addEventListener("change", () => {
 $("previous").addEventListener("click", () => step(-1));
 $("next").addEventListener("click", () => step(1));
 $("reset").addEventListener("click", () => view?.reset());
+$("turn").addEventListener("click", () => view.face(state.chosen));
+all("[data-from]").forEach((button) => button.addEventListener("click", () =>
+  view?.reset(...button.dataset.from.split(",").map((degrees) => (Number(degrees) * Math.PI) / 180))));
+$("find").addEventListener("input", update);
+$("find").addEventListener("keydown", (event) => {
+  const sought = shown().filter(fits);
+  const number = $("find").value.trim();
+  if (event.key === "Enter" && number && sought.length) {
+    choose(sought.find((match) => [match.source, match.target].map(String).includes(number)) ?? sought[0]);
+  }
+});
 $("theme").addEventListener("click", () => theme(document.documentElement.dataset.theme === "dark" ? "light" : "dark"));
-$("picture").addEventListener("click", () => view?.picture(names, (blob) => download("matches.png", blob)));
+$("picture").addEventListener("click", () => {
+  if (!view) return;
+  const painted = view.colouring?.scale && { name: view.colouring.name, ...view.colouring.scale };
+  const scale = painted ?? (state.byError ? { name: "Error", ...data.errors.scale } : null);
+  picture(view, names, scale, (blob) => download("matches.png", blob));
+});
 $("json").addEventListener("click", () => download("matches.json", new Blob([data.text], { type: "application/json" })));
 $("csv").addEventListener("click", () =>
   download("matches.csv", new Blob([csv(state.explanation.matches)], { type: "text/csv" })));
 document.addEventListener("keydown", (event) => {
   if (event.ctrlKey || event.altKey || event.metaKey) return;
   if (event.key === "Escape") choose(null);
-  if (event.target instanceof Element && event.target.matches("select, input[type=range]")) return;
+  if (event.target instanceof Element && event.target.matches("select, input[type=range], input[type=search]")) return;
   if (event.key === "ArrowRight" || event.key === "ArrowLeft") {
     event.preventDefault();
     step(event.key === "ArrowRight" ? 1 : -1);

@@ -1,13 +1,15 @@
 // Both shapes with their spheres, side by side or one above the other, seen by one camera.
 import {
-  AmbientLight, Color, DirectionalLight, InstancedMesh, Matrix4, Mesh, MeshBasicMaterial, MeshPhongMaterial,
-  OctahedronGeometry, OrthographicCamera, Quaternion, Raycaster, RingGeometry, Scene, SphereGeometry, SRGBColorSpace,
-  Vector2, Vector3, WebGLRenderer,
+  AmbientLight, BoxGeometry, Color, DirectionalLight, InstancedMesh, Matrix4, Mesh, MeshBasicMaterial,
+  MeshPhongMaterial, OctahedronGeometry, OrthographicCamera, Quaternion, Raycaster, RingGeometry, Scene, SphereGeometry,
+  SRGBColorSpace, Vector2, Vector3, WebGLRenderer,
 } from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
+import { rulers } from "./ruler.js";
 import { picture, Surface } from "./surface.js";
 
 const MARGIN = 1.12;
+export const STRIP = 30; // above each shape, in CSS pixels, for its name
 
 export class View {
   constructor(canvas, lines, data) {
@@ -25,6 +27,7 @@ export class View {
     this.controls.addEventListener("change", () => this.redraw());
     this.sides = data.sides.map((side) => this.#side(side));
     this.allLines = false;
+    this.from = [data.azimuth, data.elevation];
     this.time = 0; // of the morph
     this.onDraw = () => {};
     new ResizeObserver(() => this.resize()).observe(canvas);
@@ -47,7 +50,8 @@ export class View {
     this.colours = colours;
     this.matches = matches;
     this.chosen = chosen;
-    const kinds = [matches.filter((m) => m.kind === "voted"), matches.filter((m) => m.kind !== "voted")];
+    const kinds = [[], [], []];
+    for (const match of matches) kinds[match.given ? 2 : match.kind === "voted" ? 0 : 1].push(match);
     this.sides.forEach((side, s) => {
       side.points = s || !this.time ? explanation.points[s]
         : this.#between([explanation.points[0], ...explanation.moved]);
@@ -122,28 +126,43 @@ export class View {
     return new Vector3().fromArray(this.sides[s].points, 3 * match.number);
   }
 
-  // The halves of the canvas, side by side or one above the other, whichever shows more: [left, top, width, height]
-  // in CSS pixels.
+  // Where the shapes are drawn, side by side or one above the other, whichever shows more: [left, top, width, height]
+  // in CSS pixels, below the strips with the names.
   boxes() {
     const { clientWidth: w, clientHeight: h } = this.canvas;
     const scale = (width, height) => Math.min(width / this.extent[0], height / this.extent[1]);
-    return scale(w / 2, h) * 1.1 >= scale(w, h / 2)
-      ? [[0, 0, w / 2, h], [w / 2, 0, w / 2, h]] : [[0, 0, w, h / 2], [0, h / 2, w, h / 2]];
+    const beside = scale(w / 2, h - STRIP) * 1.1 >= scale(w, h / 2 - STRIP);
+    const [width, height] = beside ? [w / 2, h] : [w, h / 2];
+    return [0, 1].map((s) => [beside ? s * width : 0, STRIP + (beside ? 0 : s * height), width, height - STRIP]);
   }
 
-  reset() {
-    const { azimuth: a, elevation: e } = this.data;
+  // See all of both shapes from a direction, in radians: by default that of the first view.
+  reset(azimuth = this.data.azimuth, elevation = this.data.elevation) {
+    this.from = [azimuth, elevation];
     this.controls.target.set(0, 0, 0);
-    this.camera.position.set(Math.sin(a) * Math.cos(e), Math.sin(e), Math.cos(a) * Math.cos(e)).multiplyScalar(8);
     this.camera.zoom = 1;
-    this.camera.lookAt(0, 0, 0);
-    this.controls.update();
+    this.#look(new Vector3(
+      Math.sin(azimuth) * Math.cos(elevation), Math.sin(elevation), Math.cos(azimuth) * Math.cos(elevation)));
     this.#fit();
   }
 
-  // How much the first view has to show: both shapes, and those between them while they are seen.
+  // Turn both so that the ends of a match face the viewer, as well as one direction can.
+  face(match) {
+    const [one, other] = this.sides.map(({ surface }, s) => surface.normal(this.point(s, match)));
+    const both = one.clone().add(other);
+    this.#look(both.length() > 0.5 ? both : one); // what faces opposite ways cannot be seen at once
+  }
+
+  #look(direction) {
+    this.camera.position.copy(this.controls.target).addScaledVector(direction.normalize(), 8);
+    this.controls.update();
+    this.redraw();
+  }
+
+  // How much the view has to show: both shapes, and those between them while they are seen.
   #fit() {
-    const { azimuth: a, elevation: e, sides, morph } = this.data;
+    const { sides, morph } = this.data;
+    const [a, e] = this.from;
     let width = 1e-3, height = 1e-3;
     for (const positions of [...sides.map((side) => side.positions), ...(this.time ? morph : [])]) {
       for (let i = 0; i < positions.length; i += 3) {
@@ -156,10 +175,10 @@ export class View {
     this.resize();
   }
 
-  resize() {
+  // With so many pixels of the canvas along one of CSS.
+  resize(ratio = Math.min(window.devicePixelRatio, 2)) {
     const { clientWidth: w, clientHeight: h } = this.canvas;
     if (!w || !h) return;
-    const ratio = Math.min(window.devicePixelRatio, 2);
     this.renderer.setPixelRatio(ratio);
     this.renderer.setSize(w, h, false);
     this.lines.width = w * ratio;
@@ -205,26 +224,35 @@ export class View {
     const ratio = this.lines.width / this.canvas.clientWidth;
     context.setTransform(ratio, 0, 0, ratio, 0, 0);
     context.clearRect(0, 0, this.canvas.clientWidth, this.canvas.clientHeight);
+    const ink = getComputedStyle(document.documentElement).getPropertyValue("--ink");
     const shown = this.allLines ? this.matches : this.matches.filter((match) => match === this.chosen);
     for (const match of shown) {
       const [from, to] = [0, 1].map((s) => this.project(s, match));
       const rgb = this.colours.subarray(3 * match.number, 3 * match.number + 3);
-      context.strokeStyle = `rgb(${rgb.join(",")})`;
-      context.globalAlpha = match === this.chosen ? 1 : 0.55;
-      context.lineWidth = match === this.chosen ? 2.5 : 1;
-      context.beginPath();
-      context.moveTo(from.x, from.y);
-      context.lineTo(to.x, to.y);
-      context.stroke();
+      const chosen = match === this.chosen;
+      context.globalAlpha = chosen ? 1 : 0.55;
+      for (const [colour, width] of [...(chosen ? [[ink, 4.5]] : []), [`rgb(${rgb.join(",")})`, chosen ? 2.5 : 1]]) {
+        context.strokeStyle = colour;
+        context.lineWidth = width;
+        context.beginPath();
+        context.moveTo(from.x, from.y);
+        context.lineTo(to.x, to.y);
+        context.stroke();
+      }
     }
+    rulers(context, this.boxes(), this.data.sides.map(({ unit }) => unit * this.pixels()));
+  }
+
+  // How long a length of 1 is, in CSS pixels.
+  pixels() {
+    return (this.boxes()[0][3] * this.camera.zoom) / (2 * this.camera.top);
   }
 
   // The match at a place of the canvas that no surface hides, or null.
   pick(x, y, reach) {
     const s = this.boxes().findIndex(([left, top, w, h]) => x >= left && x < left + w && y >= top && y < top + h);
     if (s < 0 || !this.sides[s].marks.length) return null;
-    const [, , , tall] = this.boxes()[s];
-    const pixels = (tall * this.camera.zoom) / (2 * this.camera.top);
+    const pixels = this.pixels();
     return this.matches
       .map((match) => ({ match, at: this.project(s, match), radius: this.size(match) * pixels }))
       .map((one) => ({ ...one, apart: Math.hypot(one.at.x - x, one.at.y - y) }))
@@ -241,31 +269,18 @@ export class View {
     const first = ray.intersectObject(this.sides[s].surface.mesh)[0];
     return first !== undefined && first.distance < ray.ray.origin.distanceTo(at) - 1.1 * this.size(match);
   }
-
-  // The canvas with the lines and the names, as a PNG.
-  picture(names, then) {
-    this.draw();
-    const { width, height } = this.canvas;
-    const sheet = new OffscreenCanvas(width, height);
-    const context = sheet.getContext("2d");
-    const style = getComputedStyle(document.documentElement);
-    context.fillStyle = style.getPropertyValue("--paper");
-    context.fillRect(0, 0, width, height);
-    context.drawImage(this.canvas, 0, 0);
-    context.drawImage(this.lines, 0, 0);
-    const ratio = width / this.canvas.clientWidth;
-    context.fillStyle = style.getPropertyValue("--soft");
-    context.font = `${14 * ratio}px system-ui, sans-serif`;
-    this.boxes().forEach(([x, y], s) => context.fillText(names[s], (x + 12) * ratio, (y + 22) * ratio));
-    sheet.convertToBlob({ type: "image/png" }).then(then);
-  }
 }
 
-const SHAPES = [new SphereGeometry(1, 18, 12), new OctahedronGeometry(1.25)];
+const SHAPES = [new SphereGeometry(1, 18, 12), new OctahedronGeometry(1.25), new BoxGeometry(1.6, 1.6, 1.6)];
 const MARK = [
   new MeshPhongMaterial({ specular: 0x444444, shininess: 60 }),
   new MeshPhongMaterial({ specular: 0x222222, flatShading: true }),
+  new MeshPhongMaterial({ specular: 0x222222, flatShading: true }),
 ];
+MARK[0].onBeforeCompile = (shader) => { // a dark rim tells spheres from each other and from the surface
+  shader.fragmentShader = shader.fragmentShader.replace("#include <opaque_fragment>",
+    "outgoingLight *= mix(0.3, 1.0, smoothstep(0.15, 0.5, normal.z));\n#include <opaque_fragment>");
+};
 
 function lamp(x, y, z, strength) {
   const light = new DirectionalLight(0xffffff, strength);

@@ -1,7 +1,7 @@
 // One surface: plain, painted, with squares or with its texture, and bent.
 import {
   BufferAttribute, BufferGeometry, Color, DoubleSide, Mesh, MeshLambertMaterial, RepeatWrapping, SRGBColorSpace,
-  TextureLoader,
+  TextureLoader, Vector3,
 } from "three";
 
 const SQUARES = 9; // along the longest side of the source
@@ -85,6 +85,18 @@ export class Surface {
       this.corners.forEach((vertex, i) => to.array.set(from.subarray(3 * vertex, 3 * vertex + 3), 3 * i));
       to.needsUpdate = true;
     }
+  }
+
+  // Which way the surface faces at its vertex nearest to a place.
+  normal(place) {
+    const { position, normal } = this.mesh.geometry.attributes;
+    const at = new Vector3();
+    let nearest = 0, least = Infinity;
+    for (let i = 0; i < position.count; i++) {
+      const apart = at.fromBufferAttribute(position, i).distanceToSquared(place);
+      if (apart < least) [nearest, least] = [i, apart];
+    }
+    return at.fromBufferAttribute(normal, nearest);
   }
 
   bend(positions) {

@@ -27,6 +27,7 @@ draw_matches(result, "part.png")
 
 faces, barycentric = examples.truth("quadruped")
 mesh = mm.read_mesh(second)
-true = np.einsum("qc,qcx->qx", barycentric, mesh.vertices[mesh.faces[faces]])[result.pairs[:, 0]]
-errors = np.linalg.norm(result.target_points.values(mesh.vertices) - true, axis=1) / result.target_info["diameter"]
+true = np.einsum("qc,qcx->qx", barycentric, mesh.vertices[mesh.faces[faces]])
+found = result.target_points.values(mesh.vertices)
+errors = np.linalg.norm(found - true[result.pairs[:, 0]], axis=1) / result.target_info["diameter"]
 print(f"{len(result)} matches, {(errors < 0.05).mean():.0%} within 5 % of the diameter")

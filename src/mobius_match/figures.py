@@ -17,6 +17,7 @@ import numpy as np
 from .correspondence import write_atomically
 from .errors import MeshError, SettingsError
 from .mesh import as_mesh, repair
+from .mesh.files import unchanged
 from .mesh.measure import cross_products, unit_box, vertex_sums
 from .rendering import Shape, rasterise, render, unit, visible
 
@@ -170,12 +171,7 @@ def mesh_of(surface: Any, info: dict[str, Any]) -> Mesh:
     """The repaired mesh of one side, read again where the result comes from a file."""
     if surface is not None:
         return surface.whole_mesh
-    if info.get("path") is None:
-        raise MeshError("the loaded result was made from arrays, which it does not hold; match again")
-    mesh = as_mesh(info["path"])
-    if mesh.sha256 != info.get("sha256"):
-        raise MeshError(f"{info['path']}: the file has changed since the match; match again")
-    return repair(mesh)
+    return repair(as_mesh(unchanged(info.get("path"), info.get("sha256", ""))))
 
 
 def numbered(mesh: Mesh, numbers: np.ndarray) -> np.ndarray:

@@ -185,6 +185,7 @@ def test_dense_maps_alone_make_a_report(tmp_path, undrawn):
     table = page.values("Means over pairs")
     assert table["dense map: mean, per √area"]["direct"] == "0.090"
     assert table["dense map: points within 0.05 √area"]["better of both"] == "90.0 %"
+    assert table["dense map: points within 0.10 √area"]["better of both"].endswith(" %")
     assert "mean of the first 15, per diameter" not in table
     maps = page.values("Dense maps of another program")
     assert {name: cells["value"] for name, cells in maps.items()} == {"folder": "maps", "numbers from": "1"}

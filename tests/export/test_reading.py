@@ -120,6 +120,14 @@ def test_vertex_numbers_of_a_table(tmp_path):
     assert (marks.names, marks.vertices.tolist(), marks.points) == (["nose", "tail"], [12, 0], None)
 
 
+def test_names_in_latin_1_are_read_in_every_text_format(tmp_path):
+    for name in ("F.mrk.json", "F.fcsv", "one.pts", "one.csv"):
+        old = NAMES[name][0]
+        marks = mm.read_landmarks(written(tmp_path, name, GOOD[name].replace(old, "N\xe4se").encode("latin-1")))
+        assert marks.names[0] == "N\xe4se"
+        assert marks.points.tobytes() == POINTS.tobytes()
+
+
 def markups(change):
     return json.dumps(MARKUPS, indent=1).replace(*change)
 
@@ -178,6 +186,9 @@ BAD = [
     ("a.csv", "x,y,z\n1,2,b\n", "line 2: 'b' is not a number"),
     ("a.csv", "x,y,z\n1,2\n", "line 2 has 2 columns"),
     ("a.csv", "x,y,z\n", "holds no landmarks"),
+    ("a.csv", "x,y,z\n1,2,3\n1,2,inf\n", "line 3 has a coordinate that is not a finite number"),
+    ("a.csv", "name,vertex\na,3\nb,3.5\n", "line 3: '3.5' is not a number of a vertex"),
+    ("a.csv", f"vertex\n{'9' * 20}\n", "line 2: '99999999999999999999' is not a number of a vertex"),
     ("a.npz", "PK", "not an .npz file of mobius convert"),
     ("a.pts", "", "the file is empty"),
     ("a.stl", "solid", "unknown ending; landmarks are read from .csv, .mrk.json"),

@@ -159,6 +159,8 @@ def test_coloured_meshes(result, dense, tmp_path, kind):
         for path, info in zip(paths, (result.source_info, result.target_info), strict=True):
             mesh, own = trimesh.load(path, process=False, force="mesh"), mm.read_mesh(info["path"])
             np.testing.assert_array_equal(mesh.faces, own.faces)
+            told = f"mobius-match; source -> target: equal colours correspond; this is the {SIDES[paths.index(path)]},"
+            assert path.read_bytes().count(told.encode()) == 1
             if kind == "ply":
                 equal(mesh.vertices, own.vertices)
             else:

@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from matplotlib.image import imread
 
 from mobius_match.dense import SurfaceMap
 from mobius_match.viewer import packing, page
@@ -33,7 +34,7 @@ def rgb(text):
 
 def test_errors_are_told_in_table_and_facts(full, tmp_path):
     rows = full.run(ROWS)
-    assert full.run("[...document.querySelectorAll('th')].map((cell) => cell.textContent)")[4] == "Error, %"
+    assert full.run("[...document.querySelectorAll('th')].map((cell) => cell.textContent)")[4] == "Error %"
     assert float(rows[0][4]) > 5
     assert [row[4] for row in rows[1:]] == ["0.0"] * 7 + [""] * 16
     take(full, 1)
@@ -48,9 +49,9 @@ def test_errors_are_told_in_table_and_facts(full, tmp_path):
         f"Mean error {mean:.1f} % of the target's diameter; 87.5 % of the matches within 5 %."
     )
     saved = list(csv.reader(downloaded(full, tmp_path, "csv").read_text().splitlines()))
-    assert saved[0] == ["source", "target", "confidence", "kind", "error"]
-    assert 100 * float(saved[1][4]) == pytest.approx(float(rows[0][4]), abs=0.05)
-    assert [row[4] for row in saved[2:]] == ["0"] * 7 + [""] * 16
+    assert saved[0] == ["source", "target", "confidence", "kind", "given", "index_base", "error"]
+    assert 100 * float(saved[1][6]) == pytest.approx(float(rows[0][4]), abs=0.05)
+    assert [row[6] for row in saved[2:]] == ["0"] * 7 + [""] * 16
 
 
 def test_errors_as_colours_of_the_spheres(full):
@@ -61,7 +62,9 @@ def test_errors_as_colours_of_the_spheres(full):
     assert spots[1:8] == [low] * 7
     assert spots[8:] == ["rgb(115, 115, 120)"] * 16
     assert spots[0] == high  # nearly half way around
-    assert full.run("document.querySelector('#marked-scale p').innerText.split(/\\n+/)") == ["0", "0.1", "0.2 or more"]
+    assert full.run("document.querySelector('#marked-scale p').innerText.split(/\\n+/)") == [
+        "0 %", "10 %", "20 % or more",
+    ]  # fmt: skip
     assert saturated(halves(full)[0]).sum() < 0.2 * saturated(before).sum()
     choose(full, "marked", 0)
     assert full.run("document.getElementById('marked-scale').hidden")
@@ -92,6 +95,21 @@ def test_distortions_have_a_legend_with_their_units(full):
     assert full.run("spheres.checked") is False
     colouring(full, "Plain")
     assert full.run("[spheres.checked, document.getElementById('scale').hidden]") == [True, True]
+
+
+def test_a_saved_picture_has_the_scale_of_its_colours(full, tmp_path):
+    def corner(name):
+        (tmp_path / name).mkdir()
+        drawn = imread(downloaded(full, tmp_path / name, "picture"))[:, :, :3]
+        return drawn[-58, [-400, -40]]  # both ends of the scale
+
+    assert np.ptp(corner("plain")) < 0.02
+    colouring(full, "Change of area")
+    assert np.abs(255 * corner("area") - [rgb(packing.DIVERGING[k]) for k in (0, -1)]).max() < 60
+    colouring(full, "Plain")
+    choose(full, "marked", 1)
+    good, bad = corner("error")
+    assert good.max() > bad.max() + 0.2
 
 
 def test_the_texture_is_on_both_and_follows_the_morph(browser, textured, tmp_path):

@@ -87,7 +87,7 @@ def test_a_loaded_result_reads_its_meshes_and_keeps_its_alternatives(tmp_path, r
     loaded = Correspondence.load(file)
     assert page(loaded) == page(live)
     assert loaded.alternatives[0].share == 0.25
-    with pytest.raises(MeshError, match="match again"):
+    with pytest.raises(MeshError, match="atch again"):
         page(replace(loaded, source_info={**known, "sha256": "0"}))
 
 
@@ -109,7 +109,7 @@ def test_the_page_of_a_pair_with_its_map_is_small():
 
 def test_colours_go_by_the_map_and_nothing_is_grey(result, dense):
     content = element(page(result, dense=dense), "shapes")
-    names = ["Places", "Squares", "Change of area", "Change of angles", "Change of distances"]
+    names = ["Colours by place", "Squares", "Change of area", "Change of angles", "Change of distances"]
     assert [one["name"] for one in content["colourings"]] == names
     source, target = (numbers(colours, "u1").reshape(-1, 3) for colours in content["colourings"][0]["colours"])
     np.testing.assert_array_equal(source[30:], target[30:])

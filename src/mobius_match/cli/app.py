@@ -50,5 +50,18 @@ def mobius(
     """
 
 
+# What the list of commands says where the first sentence of the help is too long for a terminal of 80 columns.
+SHORT = {
+    view: "Look at the matches of a result on both shapes.",
+    demo: "Match the pairs of meshes that come with the program.",
+    bench: "Measure errors on a set with known correspondence.",
+    symmetry: "Find which half of a mesh mirrors the other.",
+    convert: "Write a result for other programs.",
+    landmarks: "Carry landmarks from one matched shape to the other.",
+    transfer: "Carry colours, textures, labels or values along.",
+    morph: "Turn one matched shape into the other.",
+    cache: "Show or delete the prepared surfaces that are kept.",
+}
+
 for command in (match, view, info, demo, bench, symmetry, convert, landmarks, transfer, morph, prepare, cache):
-    app.command()(guarded(command))
+    app.command(short_help=SHORT.get(command))(guarded(command))

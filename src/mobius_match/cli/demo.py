@@ -52,7 +52,7 @@ def demo(
     else:
         for entry in report:
             print_table(_match_table(entry))
-        print_table(_summary_table(report))
+        print_table(_summary_table(report, reporter.compiles))
     if not quiet:
         say(f"Results (.json), tables (.csv), pictures (.png) and pages to look at (.html) are in {output.resolve()}")
 
@@ -117,7 +117,7 @@ def _match_table(entry: dict[str, Any]) -> Table:
     return table
 
 
-def _summary_table(report: list[dict[str, Any]]) -> Table:
+def _summary_table(report: list[dict[str, Any]], compiled: bool) -> Table:
     from rich.table import Table
 
     table = Table(title="True errors, % of the target's diameter", title_justify="left")
@@ -128,7 +128,7 @@ def _summary_table(report: list[dict[str, Any]]) -> Table:
         "mean of\nfirst 45",
         "within 3 %",
         "within 5 %",
-        "seconds",
+        "seconds,\ncompiling\ntoo" if compiled else "seconds",
     ):
         table.add_column(heading, justify="left" if heading == "pair" else "right")
     for entry in report:

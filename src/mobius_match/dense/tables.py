@@ -86,9 +86,13 @@ def read_table(path: Path) -> dict[str, np.ndarray] | Landmarks:
                 return {path.stem: loaded}
             with loaded:
                 return dict(loaded)
-        text = path.read_text(encoding="utf-8-sig")
+        data = path.read_bytes()
     except (OSError, ValueError, EOFError, zipfile.BadZipFile) as error:
         raise FormatError(f"{path}: cannot be read ({error}). Check the path, or write it again.") from error
+    try:
+        text = data.decode("utf-8-sig")
+    except UnicodeDecodeError:  # of names only; numbers are the same in both
+        text = data.decode("latin-1")
     heads, rows = split_rows(path, text)
     if "vertex" in heads or {"x", "y", "z"} <= set(heads):
         return _landmarks(path, heads, rows)
@@ -140,10 +144,15 @@ def _landmarks(path: Path, heads: list[str], rows: list[tuple[int, list[str]]]) 
     points = vertices = None
     if {"x", "y", "z"} <= set(heads):
         points = numbers(path, rows, [heads.index(name) for name in "xyz"]).astype(np.float64)
+        for (line, _), point in zip(rows, points, strict=True):
+            if np.isinf(point).any():
+                raise FormatError(f"{path}: line {line} has a coordinate that is not a finite number.")
     if "vertex" in heads:
         column = numbers(path, rows, [heads.index("vertex")])[:, 0]
         if column.dtype.kind != "i":
-            raise FormatError(f"{path}: the column 'vertex' has a number that is not whole.")
+            cells = [(line, row[heads.index("vertex")]) for line, row in rows]
+            line, cell = next(one for one in cells if not _whole(one[1]))
+            raise FormatError(f"{path}: line {line}: {cell[:40]!r} is not a number of a vertex, which is whole.")
         vertices = column
     return Landmarks(names, vertices, points)
 
@@ -161,9 +170,13 @@ def numbers(path: Path, rows: list[tuple[int, list[str]]], columns: list[int] | 
             if _number(row[column]) is None:
                 raise FormatError(f"{path}: line {number}: {row[column][:40]!r} is not a number.")
     cells = [[row[column] for column in columns] for _, row in rows]
-    if all(re.fullmatch(r"[-+]?\d{1,18}", cell) for row in cells for cell in row):
+    if all(_whole(cell) for row in cells for cell in row):
         return np.array(cells, dtype=object).astype(np.int64).reshape(len(rows), len(columns))
     return np.array(cells, dtype=object).astype(np.float64).reshape(len(rows), len(columns))
+
+
+def _whole(cell: str) -> bool:
+    return re.fullmatch(r"[-+]?\d{1,18}", cell) is not None
 
 
 def _number(cell: str) -> float | None:

@@ -122,7 +122,7 @@ p { max-width: 46rem; margin: .5rem 0; overflow-wrap: anywhere; }
 .tiles dd { margin: .2rem 0 0; font-size: 1.45rem; font-weight: 600; font-variant-numeric: tabular-nums; }
 .wide { overflow-x: auto; margin: 1rem 0; }
 table { border-collapse: collapse; min-width: min(100%, 24rem); font-size: .9rem; font-variant-numeric: tabular-nums; }
-caption { text-align: left; padding-bottom: .4rem; }
+caption { text-align: left; padding-bottom: .4rem; position: sticky; left: 0; max-width: calc(100vw - 3rem); }
 th, td { padding: .25rem .7rem; border-bottom: 1px solid var(--line); text-align: right; vertical-align: top; }
 thead th { border-bottom: 2px solid var(--ink); vertical-align: bottom; }
 th:first-child { text-align: left; padding-left: 0; }

@@ -25,7 +25,8 @@ Records = list[dict[str, Any]]
 
 def measure(name: str, value: float) -> str:
     """A value of ``summary.headline`` as a table shows it."""
-    return percent(value) if name.endswith(("close", "within")) else number(value, 1 if name == "known" else 3)
+    share = name.endswith(("close", "within", "within_far"))
+    return percent(value) if share else number(value, 1 if name == "known" else 3)
 
 
 def head(info: dict[str, Any], records: Records, variants: Sequence[str]) -> Markup:

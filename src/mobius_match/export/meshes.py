@@ -11,7 +11,7 @@ from ..figures import colours_of, numbered
 from ..geometry.geodesics import nearest_centres
 from ..mesh.measure import unit_box
 from ..mesh.writing import mesh_files
-from .content import Content
+from .content import DIRECTION, SIDES, Content
 
 
 def write_mesh(content: Content, side: int, ending: str) -> bytes:
@@ -27,7 +27,8 @@ def write_mesh(content: Content, side: int, ending: str) -> bytes:
     number = repaired_numbers(repaired, mesh)
     shown = np.full((len(number), 4), GREY)
     shown[number >= 0, :3] = np.round(255 * colours[number[number >= 0]])
-    (found,) = mesh_files(Path(f"mesh{ending}"), mesh.vertices, mesh.faces, colors=shown).values()
+    said = f"mobius-match; {DIRECTION}: equal colours correspond; this is the {SIDES[side]}, vertices as in its file"
+    (found,) = mesh_files(Path(f"mesh{ending}"), mesh.vertices, mesh.faces, colors=shown, comment=said).values()
     return found
 
 

@@ -26,6 +26,7 @@ def mesh_files(
     image: bytes | None = None,
     labels: np.ndarray | None = None,
     values: Mapping[str, np.ndarray] | None = None,
+    comment: str = "",
 ) -> dict[Path, bytes]:
     """The files that a mesh is written to: the mesh itself last, after the files that it names.
 
@@ -44,6 +45,8 @@ def mesh_files(
         (m,) int; .ply only.
     values
         (n,) or (n, k) numbers at the vertices by name; .ply only.
+    comment
+        A line of plain ASCII that the file carries along; .ply and .glb only.
 
     Raises
     ------
@@ -59,10 +62,12 @@ def mesh_files(
         raise SettingsError(f"{path}: a .glb file shows colours or a texture, not both; choose one, or another format")
     picture = path.with_suffix(".png")
     if kind == ".glb":
-        return {path: _glb(vertices, faces, colors, uv, image)}
+        return {path: _glb(vertices, faces, colors, uv, image, comment)}
     beside = {picture: image} if uv is not None and image is not None else {}
     if kind == ".ply":
-        return {**beside, path: _ply(vertices, faces, colors, uv, picture.name if beside else "", labels, values or {})}
+        told = [comment] if comment else []
+        told += [f"TextureFile {picture.name}"] if beside else []
+        return {**beside, path: _ply(vertices, faces, colors, uv, told, labels, values or {})}
     material = path.with_suffix(".mtl")
     if beside:
         beside[material] = f"newmtl surface\nKd 1 1 1\nmap_Kd {picture.name}\n".encode()
@@ -74,7 +79,7 @@ def _ply(
     faces: Ints,
     colors: np.ndarray | None,
     uv: np.ndarray | None,
-    picture: str,
+    comments: list[str],
     labels: np.ndarray | None,
     values: Mapping[str, np.ndarray],
 ) -> bytes:
@@ -100,7 +105,7 @@ def _ply(
     if labels is not None:
         corners["label"] = labels
     words = {"<f4": "float", "<f8": "double", "<u1": "uchar", "<i4": "int"}
-    header = ["ply", "format binary_little_endian 1.0", *([f"comment TextureFile {picture}"] if picture else [])]
+    header = ["ply", "format binary_little_endian 1.0", *(f"comment {one}" for one in comments)]
     header += [f"element vertex {len(vertices)}", *(f"property {words[kind]} {name}" for name, kind, _ in rows)]
     header += [f"element face {len(faces)}", *(f"property list uchar {words[kind]} {name}" for name, kind, _ in lists)]
     header += [*(["property int label"] if labels is not None else []), "end_header\n"]
@@ -125,11 +130,14 @@ def _obj(vertices: Floats, faces: Ints, colors: np.ndarray | None, uv: np.ndarra
     return text.getvalue()
 
 
-def _glb(vertices: Floats, faces: Ints, colors: np.ndarray | None, uv: np.ndarray | None, image: bytes | None) -> bytes:
+def _glb(
+    vertices: Floats, faces: Ints, colors: np.ndarray | None, uv: np.ndarray | None, image: bytes | None, comment: str
+) -> bytes:
     import trimesh
 
+    told = {"comment": comment} if comment else None
     if uv is None:
-        plain = trimesh.Trimesh(vertices, faces, vertex_colors=colors, process=False)
+        plain = trimesh.Trimesh(vertices, faces, vertex_colors=colors, process=False, metadata=told)
         return _bytes(plain)
     from PIL import Image
 
@@ -137,7 +145,7 @@ def _glb(vertices: Floats, faces: Ints, colors: np.ndarray | None, uv: np.ndarra
     picture = None if image is None else Image.open(io.BytesIO(image))
     material = trimesh.visual.material.PBRMaterial(baseColorTexture=picture, metallicFactor=0.0, roughnessFactor=1.0)
     visual = trimesh.visual.TextureVisuals(uv=at, material=material)
-    return _bytes(trimesh.Trimesh(vertices[origin], faces, visual=visual, process=False))
+    return _bytes(trimesh.Trimesh(vertices[origin], faces, visual=visual, process=False, metadata=told))
 
 
 def _bytes(mesh: Any) -> bytes:

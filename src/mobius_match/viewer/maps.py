@@ -48,7 +48,7 @@ def add_map(
     carried = _both(sides, dense, colours_of(sides[0].shape.vertices))
     note = "Equal colours correspond by the dense map; grey has no counterpart."
     content["colourings"] += [
-        {"name": "Places", "colours": carried, "note": note},
+        {"name": "Colours by place", "colours": carried, "note": note},
         {"name": "Squares", "checker": True, "like": 0, "note": note},
         *_appearance(content, sides, dense),
         *_distortions(sides, dense),

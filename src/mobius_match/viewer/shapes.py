@@ -86,7 +86,7 @@ def content(result: Correspondence, sides: list[Side], radius: float) -> dict[st
     """What is drawn, as JSON-able values."""
     explanations = [_explanation(result, "Chosen", "", sides)]
     for k, one in enumerate(result.alternatives, start=1):
-        note = f"Lost by {one.margin:.2f}; {one.share:.0%} of the best triplets spoke for it."
+        note = f"Lost by {one.margin:.2f} (below 0.3 is close); {one.share:.0%} of the best triplets spoke for it."
         explanations.append(_explanation(one, f"Other {k}", note, sides))
     infos = (result.source_info, result.target_info)
     return {
@@ -104,6 +104,7 @@ def _side(side: Side, name: str) -> dict[str, Any]:
     return {
         "name": name,
         "vertices": side.mesh.n_file_vertices,
+        "unit": float(np.ptp(side.vertices, axis=0).max() / np.ptp(side.mesh.vertices, axis=0).max()),
         "simplified": not side.whole,
         "positions": packing.quantised(side.vertices[side.kept]),
         "wide": wide,

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 WORST = 0.2
 """Error per diameter at which the colours end."""
-SCALE = {"labels": ["0", f"{WORST / 2:g}", f"{WORST:g} or more"], "colours": packing.RISING}
+SCALE = {"labels": ["0 %", f"{50 * WORST:g} %", f"{100 * WORST:g} % or more"], "colours": packing.RISING}
 CHECKED = 2000
 """Points of known correspondence, spread evenly over their list, at which the error of a map is measured."""
 LARGE = 30_000
