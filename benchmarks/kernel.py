@@ -109,7 +109,7 @@ def search(
         least.nearest_rows[:] = 0
         if all_of_them:
             nearest.compare_all(image1, n, image2, False, least)
-            n_pairs += nearest.collect(image1, image2, n, False, least, pairs)
+            n_pairs += nearest.collect(n, least, pairs)
         else:
             n_pairs += nearest.sweep(image1, n, image2, n, False, least, pairs)
     return n_pairs

@@ -112,7 +112,7 @@ def search(first, second, sweep=None):
             n = nearest.sweep(padded(first), n1, padded(second), n2, dimension == 3, least, pairs)
         else:
             nearest.compare_all(padded(first), n1, padded(second), dimension == 3, least)
-            n = nearest.collect(padded(first), padded(second), n2, dimension == 3, least, pairs)
+            n = nearest.collect(n2, least, pairs)
     found = list(zip(*(array[:n].tolist() for array in pairs), strict=True))
     assert len(set(found)) == n
     return set(found)

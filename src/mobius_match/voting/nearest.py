@@ -19,9 +19,6 @@ import numpy as np
 
 from ..compiling import inlined, jit
 
-ROWS = 4
-"""Rows that are compared with the columns together."""
-
 BLOCK = 8
 LARGEST = np.finfo(np.float32).max.view(np.int32)
 
@@ -101,23 +98,19 @@ def squared_distance(points: np.ndarray, j: Index, to: tuple[float, float, float
 
 @inlined
 def compare(first: np.ndarray, k: int, second: np.ndarray, begin: int, end: int, spherical: bool, least: Least) -> None:
-    """Bring the least distances up to date with those between rows k to k + 3 and the columns from begin to end.
-
-    A column keeps the first of the four rows that its nearest is among: so all four cost one comparison.
-    """
+    """Bring the least distances up to date with those between rows k and k + 1 and the columns from begin to end."""
     of_rows, of_columns, nearest_rows = least
-    a, b, c, d = point(first, k), point(first, k + 1), point(first, k + 2), point(first, k + 3)
-    least_a, least_b, least_c, least_d = of_rows[k], of_rows[k + 1], of_rows[k + 2], of_rows[k + 3]
+    one, two = point(first, k), point(first, k + 1)
+    least_one, least_two = of_rows[k], of_rows[k + 1]
     for column in range(begin, end):
         j = np.uint64(column)  # numbers that might be negative would keep the loop from vector instructions
-        to_a, to_b = squared_distance(second, j, a, spherical), squared_distance(second, j, b, spherical)
-        to_c, to_d = squared_distance(second, j, c, spherical), squared_distance(second, j, d, spherical)
-        least_a, least_b = min(to_a, least_a), min(to_b, least_b)
-        least_c, least_d = min(to_c, least_c), min(to_d, least_d)
-        least_here, before = min(min(to_a, to_b), min(to_c, to_d)), of_columns[j]
-        nearest_rows[j] = np.int32(k) if least_here < before else nearest_rows[j]
-        of_columns[j] = min(least_here, before)
-    of_rows[k], of_rows[k + 1], of_rows[k + 2], of_rows[k + 3] = least_a, least_b, least_c, least_d
+        to_one, to_two = squared_distance(second, j, one, spherical), squared_distance(second, j, two, spherical)
+        least_one, least_two = min(to_one, least_one), min(to_two, least_two)
+        nearest, least_here = nearest_rows[j], of_columns[j]
+        nearest, least_here = np.int32(k) if to_one < least_here else nearest, min(to_one, least_here)
+        nearest_rows[j] = np.int32(k + 1) if to_two < least_here else nearest
+        of_columns[j] = min(to_two, least_here)
+    of_rows[k], of_rows[k + 1] = least_one, least_two
 
 
 @jit
@@ -134,36 +127,27 @@ def mutually_nearest(
     if min(n1, n2) >= SWEEP_FROM:
         return sweep(first, n1, second, n2, spherical, least, pairs)
     compare_all(first, n1, second, spherical, least)
-    return collect(first, second, n2, spherical, least, pairs)
+    return collect(n2, least, pairs)
 
 
 @jit
 def compare_all(first: np.ndarray, n1: int, second: np.ndarray, spherical: bool, least: Least) -> None:
     """Compare all rows with all columns."""
-    for k in range(0, n1, ROWS):
+    for k in range(0, n1, 2):
         compare(first, k, second, 0, second.shape[1], spherical, least)
 
 
 @jit
-def collect(first: np.ndarray, second: np.ndarray, n2: int, spherical: bool, least: Least, pairs: Pairs) -> int:
+def collect(n2: int, least: Least, pairs: Pairs) -> int:
     """Write the columns that are the nearest of their nearest row; return their number."""
     of_rows, of_columns, nearest_rows = least
     n = 0
     for j in range(n2):
-        begin, nearest = np.uint64(nearest_rows[j]), of_columns[j]
-        a, b, c, d = begin, begin + np.uint64(1), begin + np.uint64(2), begin + np.uint64(3)
-        as_near = (of_rows[a] == nearest) | (of_rows[b] == nearest)
-        as_near |= (of_rows[c] == nearest) | (of_rows[d] == nearest)
-        if as_near:
-            # Which of the four it is, without branches that cannot be foreseen.
-            here = np.uint64(j)
-            k = c if squared_distance(second, here, point(first, c), spherical) == nearest else d
-            k = b if squared_distance(second, here, point(first, b), spherical) == nearest else k
-            k = a if squared_distance(second, here, point(first, a), spherical) == nearest else k
-            if of_rows[k] == nearest:
-                pairs.rows[n], pairs.columns[n], pairs.squared[n] = k, j, np.int32(nearest).view(np.float32)
-                of_rows[k] = -1  # taken
-                n += 1
+        k, nearest = nearest_rows[j], of_columns[j]
+        if of_rows[k] == nearest:
+            pairs.rows[n], pairs.columns[n], pairs.squared[n] = k, j, np.int32(nearest).view(np.float32)
+            of_rows[k] = -1  # taken
+            n += 1
     return n
 
 
@@ -181,7 +165,7 @@ def sweep(first: np.ndarray, n1: int, second: np.ndarray, n2: int, spherical: bo
     compare_neighbours(rows, n1, columns, spherical, least)
     find_windows(rows.points, n1, least.of_rows, columns.starts, windows)
     compare_windows(rows.points, n1, columns.points, windows, spherical, least)
-    n_candidates = collect(rows.points, columns.points, n2, spherical, least, pairs)
+    n_candidates = collect(n2, least, pairs)
     find_windows(columns.points, n2, least.of_columns, rows.starts, windows)
     return verify(n_candidates, rows, columns, windows, spherical, least, pairs)
 
@@ -189,8 +173,8 @@ def sweep(first: np.ndarray, n1: int, second: np.ndarray, n2: int, spherical: bo
 @jit
 def compare_neighbours(rows: Sorted, n1: int, columns: Sorted, spherical: bool, least: Least) -> None:
     """Compare each row with the columns about its own slice."""
-    for k in range(0, n1, ROWS):
-        begin = columns.starts[rows.slices[rows.numbers[min(k + ROWS // 2, n1 - 1)]]] // BLOCK * BLOCK - SEEDS // 2
+    for k in range(0, n1, 2):
+        begin = columns.starts[rows.slices[rows.numbers[k]]] // BLOCK * BLOCK - SEEDS // 2
         begin = min(max(begin, 0), columns.points.shape[1] - SEEDS)
         compare(rows.points, k, columns.points, begin, begin + SEEDS, spherical, least)
 
@@ -200,8 +184,8 @@ def compare_windows(
     rows: np.ndarray, n1: int, columns: np.ndarray, windows: np.ndarray, spherical: bool, least: Least
 ) -> None:
     """Compare each row with the columns in its window."""
-    for k in range(0, n1, ROWS):
-        begin, end = windows[0, k : k + ROWS].min(), windows[1, k : k + ROWS].max()
+    for k in range(0, n1, 2):
+        begin, end = min(windows[0, k], windows[0, k + 1]), max(windows[1, k], windows[1, k + 1])
         compare(rows, k, columns, begin // BLOCK * BLOCK, padded(end), spherical, least)
 
 
@@ -233,8 +217,8 @@ def find_windows(points: np.ndarray, n: int, squared: np.ndarray, starts: np.nda
         windows[1, k] = slice_of(points[0, k] + reach, n_slices)
     for k in range(n):
         windows[0, k], windows[1, k] = starts[windows[0, k]], starts[windows[1, k] + 1]
-    for k in range(n, -(-n // ROWS) * ROWS):  # rows go in fours
-        windows[:, k] = windows[:, n - 1]
+    if n % 2 == 1:  # rows go in twos
+        windows[:, n] = windows[:, n - 1]
 
 
 @jit
