@@ -18,7 +18,7 @@ import numpy as np
 
 from .geometry.geodesics import nearest_centres
 from .geometry.spectral import functional_map
-from .geometry.transport import Transport
+from .geometry.transport import NEIGHBOUR, Transport
 from .hints import ASTRAY, Hints
 from .mobius import homogeneous
 from .preparing import each
@@ -36,6 +36,9 @@ FEATURE_SCALE = 0.3
 
 UPSAMPLING = (20, 30, 40, 50)
 """Numbers of eigenfunctions from one refinement of the map to the next."""
+
+COARSE = 2
+"""All maps but the last are between every so many-th point of the proxies."""
 
 DESCRIPTORS = 0.4
 """How much the descriptors of points count against their eigenfunctions, by root mean square."""
@@ -231,19 +234,28 @@ def spread(source: Surface, target: Surface, matches: np.ndarray, hints: Hints |
         apart = surface.proxy_distances[matches[:, side]]
         if hints is not None:
             apart = np.concatenate([apart, hints.distances[side][:, surface.proxy]])
-        features.append(np.exp(-apart.T / (FEATURE_SCALE * np.sqrt(surface.area))))
-    plan = Transport(*features).plan
+        features.append(np.exp(-apart.T[::COARSE] / (FEATURE_SCALE * np.sqrt(surface.area))))
+    plan = Transport(features[0], features[1], neighbour=NEIGHBOUR // COARSE).plan
     first, second = (surface.eigenfunctions[surface.proxy] for surface in (source, target))
     for count in UPSAMPLING:
         # Each point is sent to the mean of the places that its mass goes to.
-        transfer = functional_map(first[:, :count], plan @ second[:, :count])
-        plan = _transport(source, target, first[:, :count] @ transfer, second[:, :count]).plan
+        transfer = functional_map(first[::COARSE, :count], plan @ second[::COARSE, :count])
+        step = 1 if count == UPSAMPLING[-1] else COARSE
+        plan = _transport(source, target, first[:, :count] @ transfer, second[:, :count], step).plan
     return plan
 
 
-def _transport(source: Surface, target: Surface, first: np.ndarray, second: np.ndarray) -> Transport:
-    """Between the proxies, by eigenfunctions (P1, k) and (P2, k) that have been brought together, and descriptors."""
-    return Transport(_described(source, source.proxy, first, second), _described(target, target.proxy, second, second))
+def _transport(source: Surface, target: Surface, first: np.ndarray, second: np.ndarray, step: int = 1) -> Transport:
+    """Between the proxies, or every so many-th of their points, by eigenfunctions and descriptors.
+
+    The eigenfunctions, (P1, k) and (P2, k), have been brought together.
+    """
+    here, there = source.proxy[::step], target.proxy[::step]
+    return Transport(
+        _described(source, here, first[::step], second),
+        _described(target, there, second[::step], second),
+        neighbour=NEIGHBOUR // step,
+    )
 
 
 def _described(surface: Surface, vertices: np.ndarray, functions: np.ndarray, of_proxy: np.ndarray) -> np.ndarray:

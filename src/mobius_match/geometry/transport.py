@@ -31,6 +31,8 @@ class Transport:
         (p1, k) and (p2, k): features.
     balance
         See :data:`BALANCE`.
+    neighbour
+        See :data:`SHARPNESS`.
     """
 
     def __init__(
@@ -38,6 +40,7 @@ class Transport:
         first: np.ndarray,
         second: np.ndarray,
         balance: float = BALANCE,
+        neighbour: int = NEIGHBOUR,
     ) -> None:
         self._first, self._balance = first.astype(np.float32), np.float32(balance)
         # Everything in place: fresh memory of this size costs as much as what is done with it.
@@ -45,7 +48,7 @@ class Transport:
         self._nearest = kernel.min(axis=1)
         kernel -= self._nearest[:, None]
         some = kernel[:: max(1, len(kernel) // 200)]
-        number = min(NEIGHBOUR, kernel.shape[1] - 1)
+        number = min(neighbour, kernel.shape[1] - 1)
         self.temperature = SHARPNESS * float(np.median(np.partition(some, number, axis=1)[:, number])) + 1e-12
         self._to_kernel(kernel)
         size1, size2 = map(np.float32, kernel.shape)
