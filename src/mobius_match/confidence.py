@@ -58,17 +58,21 @@ def evidence(
     here, there = _distances_to_origins(source, target, registration), distances / np.sqrt(target.area)
     weight = np.exp(-np.minimum(here, there) / NEAR)
     around = neighbour_means(source)
-    start, end = source.proxy_edges.T
-    stretches = np.abs(edge_stretches(source, target, registration))
-    number = np.maximum(np.bincount(source.proxy_edges.ravel(), minlength=len(source.proxy)), 1)
-    stretched = sum(np.bincount(ends, stretches, len(source.proxy)) for ends in (start, end)) / number
     supporting = votes * np.exp(-((there / VOTED) ** 2))
     return {
         "distances": (weight * np.abs(here - there)).sum(axis=1) / weight.sum(axis=1),
         "misfit": (around @ registration.misfit)[samples],
-        "stretch": (around @ (around @ stretched))[samples],
+        "stretch": (around @ (around @ stretched(source, target, registration)))[samples],
         "votes": supporting.sum(axis=1) / np.maximum(votes.sum(axis=1), np.finfo(float).tiny),
     }
+
+
+def stretched(source: Surface, target: Surface, registration: Registration) -> np.ndarray:
+    """How much the edges at each vertex of the proxy are stretched or pressed, (P1,): mean logarithms."""
+    stretches = np.abs(edge_stretches(source, target, registration))
+    number = np.maximum(np.bincount(source.proxy_edges.ravel(), minlength=len(source.proxy)), 1)
+    sums = [np.bincount(ends, stretches, len(source.proxy)) for ends in source.proxy_edges.T]
+    return np.asarray(sum(sums) / number)
 
 
 def distances_of_places(source: Surface, target: Surface, registration: Registration) -> np.ndarray:

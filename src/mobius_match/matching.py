@@ -115,10 +115,10 @@ def match(
     # One BLAS thread: sums must not depend on the number of processors.
     with threadpool_limits(limits=1, user_api="blas"):
         # The paper's own voting knows whole surfaces only.
-        places, note = part_places(first, second, chosen.seed, chosen.jobs, hints) if guided else (None, "")
+        places, of_parts = part_places(first, second, chosen.seed, chosen.jobs, hints) if guided else (None, [])
         votes, seen = heeding(first, second, votes, chosen, hints)
         if places and seen and seen[0].badness < ALIKE:
-            places, note = None, ""
+            places, of_parts = None, []
         found = [] if places else contested(first, second, seen, chosen.jobs)
         timings["explanations"] = time.perf_counter() - begin
         begin = time.perf_counter()
@@ -154,7 +154,7 @@ def match(
             "triplets": votes.n_triplets,
             "voting triplets": votes.n_voting,
         },
-        warnings=(*first.notes, *second.notes, *votes.warnings, *filter(None, [note]), *notes, *doubts(found)),
+        warnings=(*first.notes, *second.notes, *votes.warnings, *of_parts, *notes, *doubts(found)),
         others=partial(_alternatives, first, second, votes, found, chosen),
         spread=partial(_spread, first, second, votes, places or found, chosen, hints),
         source=first,
