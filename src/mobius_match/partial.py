@@ -42,6 +42,16 @@ WORST, LOOSEST, UNLIKE = 1.95, 0.0135, 0.5
 """Badness of a place, mean distance of the bent part from the whole, and 1 - the rank correlation of their mean
 curvatures, above which the one is no part of the other."""
 
+STRANGE = 3.5
+"""Badness of an explanation above which two surfaces with long boundaries are hardly the same as wholes."""
+
+LACKING = (
+    "both have long boundaries, and hardly agree as wholes: if each lacks what the other has, matches are wrong; their "
+    "confidence was halved"
+)
+DISTRUST = 0.5
+"""What chances are multiplied by then."""
+
 
 @dataclass(frozen=True, eq=False)
 class PartPlaces:
@@ -130,6 +140,11 @@ def is_part(surface: Surface, other: Surface) -> bool:
     if SMALLEST <= share <= LARGEST:
         return opening * np.sqrt(share) > OPEN
     return not LARGEST < share < 1 / LARGEST and opening > max(OPEN, openness(other) / CLOSED)
+
+
+def lacking(source: Surface, target: Surface, badness: float) -> bool:
+    """Whether each of two surfaces may lack what the other has, by how badly they agree as wholes."""
+    return badness > STRANGE and min(openness(source), openness(target)) > OPEN
 
 
 def likely_size(pair: Pair, share: float, seed: int, pool: ThreadPoolExecutor) -> float:
