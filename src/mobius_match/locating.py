@@ -32,19 +32,22 @@ APPEARANCE = 0.1
 TURNING, SCALE = 0.1, 0.15
 """Distance that a difference of 1 in the sine between two paths counts as much as, and see :func:`agreement`."""
 
-TRIPLETS, COARSE = 10_000, ((2000, (25, 200)), (300, (100, 400)))
+TRIPLETS, COARSE = 20_000, ((4000, (25, 200)), (600, (100, 400)))
 """How many are judged, and how many are kept in each round, by points of the part and of the whole."""
 
 SIZING, TOP = (2000, (50, 300)), 20
 """How many triplets tell how well a size fits, by how many points, and by how many of the best."""
 
-RADIUS, GROUPS, PROMISING = 0.1, 40, 0.8
+RADIUS, GROUPS, PROMISING = 0.1, 80, 0.6
 """Mean distance of two triplets' places within a group, how many groups, and the least worth of the best triplet of
 each, as a part of that of the best of all."""
 
 SKETCHED, REFINED, CLOSE, APART = 12, 4, 1.5, 0.05
 """How many groups are bent in haste; how many of these are refined, up to which multiple of the least badness, and how
 far they must lie from each other on average."""
+
+CONTESTED = 1.2
+"""Up to which multiple of the least badness places are refined once more."""
 
 LANDMARKS, CAP, SOFT = 80, 0.15, 0.1
 """How many; what a distance to one that is wrong counts at most: it may lead through what is missing; see
@@ -75,13 +78,19 @@ class Place:
         The part bent onto it.
     badness
         The weighted sum of the evidence against it.
-    margin
-        By how much the closest rival is worse, of those that lie elsewhere; infinite if there is none.
+    rivals
+        By how much other places are worse, the closest first, and how far from this one they send the vertices of the
+        part's proxy, (P1,) in space per sqrt(area).
     """
 
     registration: Registration
     badness: float
-    margin: float
+    rivals: list[tuple[float, np.ndarray]]
+
+    @property
+    def margin(self) -> float:
+        """By how much the closest rival is worse; infinite if there is none."""
+        return min((worse for worse, _ in self.rivals), default=np.inf)
 
 
 class Pair:
@@ -140,22 +149,26 @@ class Pair:
             return None
         sketches = list(pool.map(lambda image: self.bent(image, rounds=1), starts))
         found = list(pool.map(self.refined, [one for _, one in self._rivals(sketches)[:REFINED]]))
-        (least, best), *others = self._rivals(found)
-        return Place(best, least, others[0][0] - least if others else np.inf)
+        rivals = self._rivals(found)
+        contested = [one for badness, one in rivals if badness <= CONTESTED * rivals[0][0]]
+        if len(contested) > 1:  # what began farther off has farther to go
+            rivals = self._rivals(found + list(pool.map(self.refined, contested)))
+        (least, best), *others = rivals
+        return Place(best, least, [(badness - least, self._apart(best, one)) for badness, one in others])
 
     def _rivals(self, found: list[Registration]) -> list[tuple[float, Registration]]:
         """The badness of each, and it, best first, without those that lie close to a better one or are much worse."""
         judged, kept = [self.badness(one) for one in found], list[tuple[float, Registration]]()
         for i in np.argsort(judged, kind="stable"):
-            close = any(self._apart(found[i], other) < APART for _, other in kept)
+            close = any(self._apart(found[i], other).mean() < APART for _, other in kept)
             if judged[i] <= CLOSE * min(judged) and not close:
                 kept.append((judged[i], found[i]))
         return kept
 
-    def _apart(self, first: Registration, second: Registration) -> float:
-        """Mean distance in space of where two registrations send the points of the part."""
+    def _apart(self, first: Registration, second: Registration) -> np.ndarray:
+        """How far from each other two registrations send the points of the part, (P1,) in space."""
         places = self.whole.mesh.vertices / np.sqrt(self.whole.area)
-        return float(np.linalg.norm(places[first.image] - places[second.image], axis=1).mean())
+        return np.asarray(np.linalg.norm(places[first.image] - places[second.image], axis=1))
 
     def refined(self, found: Registration) -> Registration:
         """Bent again, twice, to where the landmarks that it places best say."""

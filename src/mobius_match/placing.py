@@ -28,6 +28,9 @@ OPEN = 0.15
 MARGIN = 0.035
 """Distance from the cut below which no match is reported: what is sent there may as well lie beyond it."""
 
+EVEN, ELSEWHERE = 0.05, 0.05
+"""By how much a rival must be worse to count 1 / e, and the distance from which it sends a vertex elsewhere."""
+
 ON_PART, ASTRAY = 0.02, 0.1
 """Distance of a point of the whole from the bent part, and along the surface, up to which it can belong to it."""
 
@@ -61,7 +64,13 @@ def chances(pair: Pair, place: Place) -> np.ndarray:
     inside = found["cut"] >= MARGIN
     if openness(pair.whole) > OPEN:  # what it lacks in its turn is pressed against its rim
         inside &= to_rim(pair.whole, place.registration.positions) >= MARGIN * np.sqrt(pair.whole.area)
-    return np.where(inside, 1 / (1 + np.exp(-score)), 0.0)
+    return np.where(inside, support(place) / (1 + np.exp(-score)), 0.0)
+
+
+def support(place: Place) -> np.ndarray:
+    """The share (P1,) of this place among all that are nearly as good, of those that agree with it at each vertex."""
+    others = sum(np.exp(-worse / EVEN) * (apart > ELSEWHERE) for worse, apart in place.rivals)
+    return np.asarray(1 / (1 + others + np.zeros(len(place.registration.image))))
 
 
 def openness(surface: Surface) -> float:
