@@ -3,6 +3,7 @@
 import re
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -11,9 +12,10 @@ import mobius_match as mm
 from mobius_match import examples
 from mobius_match.geometry.directions import directions
 from mobius_match.geometry.geodesics import geodesic_solver
-from mobius_match.locating import Pair
+from mobius_match.locating import Pair, Place
 from mobius_match.mesh.topology import components
 from mobius_match.partial import is_part, part_places
+from mobius_match.placing import support
 from mobius_match.registration import vertex_normals
 from mobius_match.voting.agreement import BATCH, Paths, agreement, as_far
 from tests.shapes import bent, grid, icosphere, lump, rotation
@@ -161,6 +163,53 @@ def test_directions_move_with_the_surface():
         for i, j in ((0, 1), (1, 2)):
             one, two = first[i] * first[j].conj(), second[i] * second[j].conj()
             np.testing.assert_allclose(two, one.real + sign * 1j * one.imag, atol=1e-4)
+
+
+def test_halves_that_lack_each_other(wholes):
+    """An upper half and a lower one, which share nothing: no match, and the reason."""
+    halves = []
+    for surface, side in zip(wholes["person"], (1.0, -1.0), strict=True):
+        halves.append(cut(surface.mesh.vertices, surface.mesh.faces, 1, side)[:2])
+    with pytest.raises(mm.NothingFoundError, match="long boundar"):
+        mm.match(*halves)
+
+
+def test_rivals_share_the_chances():
+    """Where they agree, it matters little which is right."""
+    apart = [np.array([0.0, 0.2, 0.2]), np.array([0.0, 0.0, 0.3])]
+    place = Place(SimpleNamespace(image=np.arange(3)), 1.0, list(zip((0.0, 0.0), apart, strict=True)))
+    np.testing.assert_allclose(support(place), [1, 1 / 2, 1 / 3])
+    assert place.margin == 0
+    clear = replace(place, rivals=[(1.0, apart[0])])
+    np.testing.assert_allclose(support(clear), 1, atol=1e-6)
+    assert support(replace(place, rivals=[])).tolist() == [1, 1, 1]
+
+
+def vase(turns, height=36):
+    """A surface of revolution, closed."""
+    angle = 2 * np.pi * np.arange(turns) / turns
+    level = np.pi * np.arange(1, height) / height
+    radius = np.sin(level) * (1 + 0.25 * np.cos(3 * level))
+    around = np.stack([np.cos(angle), np.sin(angle), np.ones(turns)], axis=1)
+    rings = np.stack([radius, radius, 1.6 * np.cos(level)], axis=1)[:, None] * around
+    vertices = np.concatenate([rings.reshape(-1, 3), [[0, 0, 1.6], [0, 0, -1.6]]])
+    here = np.arange(turns)
+    there, last = (here + 1) % turns, (height - 2) * turns
+    top, bottom = len(vertices) - 2, len(vertices) - 1
+    faces = [np.stack([np.full(turns, top), here, there], axis=1)]
+    for k in range(0, last, turns):
+        faces.append(np.stack([k + here, k + turns + here, k + there], axis=1))
+        faces.append(np.stack([k + there, k + turns + here, k + turns + there], axis=1))
+    faces.append(np.stack([np.full(turns, bottom), last + there, last + here], axis=1))
+    return vertices, np.concatenate(faces)
+
+
+def test_a_close_choice_is_told(monkeypatch):
+    """Half a vase, cut along its axis, fits it all around, but for its triangles."""
+    monkeypatch.setattr("mobius_match.partial.DOUBTFUL", 0.3)
+    half = cut(*vase(37), 0, 1.0)
+    _, notes = part_places(mm.prepare(half[:2]), mm.prepare(vase(40)), 0)
+    assert any("nearly as good" in note for note in notes)
 
 
 @pytest.mark.parametrize("name", examples.names())

@@ -16,7 +16,7 @@ from .hints import Hints
 from .hypotheses import rank_correlation
 from .registration import ROUNDS, Registration, register, stretching, vertex_normals
 from .surface import Surface
-from .voting.agreement import Paths, agreement, as_far
+from .voting.agreement import Paths, agreement, as_far, differences
 from .voting.groups import group_triplets
 from .voting.proposals import guided_triplets
 
@@ -208,7 +208,7 @@ class Pair:
         paths, costs = (thin.paths1, self.paths2.to(self.samples2)), thin.costs[:, self.samples2]
 
         def matched(ends: tuple[np.ndarray, np.ndarray]) -> np.ndarray:
-            return _differences(paths[0].of(ends[0]), paths[1].of(ends[1]), costs).argmin(axis=1)
+            return differences(paths[0].of(ends[0]), paths[1].of(ends[1]), costs, TURNING).argmin(axis=1)
 
         pairs = np.stack(list(pool.map(matched, zip(first, second, strict=True))))
         groups = group_triplets(pairs, self.whole.normalized_distances, totals, RADIUS, GROUPS)
@@ -311,10 +311,3 @@ def _paths(surface: Surface) -> Paths:
 def _curvatures(surface: Surface) -> np.ndarray:
     vertices = (surface.mesh.vertices - surface.mesh.vertices.mean(axis=0)) / np.sqrt(surface.area)
     return curvatures(vertices, surface.mesh.faces, RADII)
-
-
-def _differences(first: Paths, second: Paths, costs: np.ndarray) -> np.ndarray:
-    """What :func:`agreement` sums for one triplet, for all pairs of points (p1, p2)."""
-    total = costs + np.abs(first.lengths[:, :, None] - second.lengths[:, None]).sum(axis=0)
-    mine, theirs = ((x * np.roll(y, -1, axis=0) - y * np.roll(x, -1, axis=0)) for _, x, y in (first, second))
-    return np.asarray(total + TURNING * np.abs(mine[:, :, None] - theirs[:, None]).sum(axis=0))

@@ -133,6 +133,13 @@ def _agreement(
         totals[i] = total / len(costs)
 
 
+def differences(first: Paths, second: Paths, costs: np.ndarray, turning: float) -> np.ndarray:
+    """What :func:`agreement` sums for one triplet, from whose samples the paths are: all pairs of points (p1, p2)."""
+    total = costs + np.abs(first.lengths[:, :, None] - second.lengths[:, None]).sum(axis=0)
+    mine, theirs = (x * np.roll(y, -1, axis=0) - y * np.roll(x, -1, axis=0) for _, x, y in (first, second))
+    return np.asarray(total + turning * np.abs(mine[:, :, None] - theirs[:, None]).sum(axis=0))
+
+
 @jit
 def as_far(
     first: Paths, second: Paths, costs: np.ndarray, cap: float, soft: float, weight: float, turning: float
