@@ -16,7 +16,8 @@ from .geometry.points import SurfacePoints, closest_points
 from .hints import Hints, given_first, hints_of, through
 from .hypotheses import Explanation, contested, doubts, heeding, spread
 from .matrix_processing import linear_assignment, max_row_column, normalized, recover
-from .partial import PartPlaces, part_places
+from .partial import DISTRUST, LACKING, PartPlaces, lacking, part_places
+from .placing import OPEN, openness
 from .preparing import each, finished, opened
 from .settings import MatchSettings, make_settings
 from .software import software
@@ -34,7 +35,7 @@ CHANCE_THRESHOLD = 0.5
 """Confidence, as a chance of being right, below which a match under an explanation is left out."""
 
 ALIKE = 1.0
-"""Badness of an explanation below which two surfaces are the same as wholes, and neither a part of the other."""
+"""Badness of an explanation below which two open surfaces are the same as wholes, and neither a part of the other."""
 
 
 def match(
@@ -115,24 +116,28 @@ def match(
     # One BLAS thread: sums must not depend on the number of processors.
     with threadpool_limits(limits=1, user_api="blas"):
         # The paper's own voting knows whole surfaces only.
-        places, note = part_places(first, second, chosen.seed, chosen.jobs, hints) if guided else (None, "")
-        votes, seen = heeding(first, second, votes, chosen, hints)
-        if places and seen and seen[0].badness < ALIKE:
-            places, note = None, ""
-        found = [] if places else contested(first, second, seen, chosen.jobs)
+        places, of_parts = part_places(first, second, chosen.seed, chosen.jobs, hints) if guided else (None, [])
+        found: list[Explanation] = []
+        if places is None or openness(places.whole) > OPEN:
+            votes, found = heeding(first, second, votes, chosen, hints)
+            if places and found and found[0].badness < ALIKE:
+                places, of_parts = None, []
+            if not places and found and lacking(first, second, found[0].badness):
+                of_parts.append(LACKING)
+            found = [] if places else contested(first, second, found, chosen.jobs)
         timings["explanations"] = time.perf_counter() - begin
         begin = time.perf_counter()
         if places:
             matches = _reported(first, second, places.points, places.chances, np.ones(len(first.samples), bool), chosen)
         elif found:
-            matches = _explained(first, second, votes, found[0], chosen)
+            matches = _explained(first, second, votes, found[0], chosen, DISTRUST if LACKING in of_parts else 1.0)
         else:
             matches = _voted(first, second, votes, chosen)
         matches = given_first(matches, hints, second)
     if not len(matches["pairs"]):
         raise NothingFoundError(
             f"{first.mesh.name} and {second.mesh.name}: no match is likely enough to be right; lower --threshold, or "
-            "the shapes have too little in common"
+            "the shapes have too little in common" + "".join(f" ({note})" for note in of_parts)
         )
     timings["matches"] = time.perf_counter() - begin
     timings["total"] = time.perf_counter() - start
@@ -154,7 +159,7 @@ def match(
             "triplets": votes.n_triplets,
             "voting triplets": votes.n_voting,
         },
-        warnings=(*first.notes, *second.notes, *votes.warnings, *filter(None, [note]), *notes, *doubts(found)),
+        warnings=(*first.notes, *second.notes, *votes.warnings, *of_parts, *notes, *doubts(found)),
         others=partial(_alternatives, first, second, votes, found, chosen),
         spread=partial(_spread, first, second, votes, places or found, chosen, hints),
         source=first,
@@ -175,15 +180,22 @@ def _voted(source: Surface, target: Surface, votes: Votes, settings: MatchSettin
 
 
 def _explained(
-    source: Surface, target: Surface, votes: Votes, explanation: Explanation, settings: MatchSettings
+    source: Surface,
+    target: Surface,
+    votes: Votes,
+    explanation: Explanation,
+    settings: MatchSettings,
+    trust: float = 1.0,
 ) -> dict[str, Any]:
     """The places of the source's samples under one explanation, confidence as the chance that they are right.
+
+    All chances are multiplied by ``trust``.
 
     A sample that section 8 pairs with a sample near its place is voted; another place is recovered from all others.
     """
     registration = explanation.registered(source, target)
     distances = distances_of_places(source, target, registration)
-    chance = chances(source, target, registration, votes.matrix, distances)
+    chance = trust * chances(source, target, registration, votes.matrix, distances)
     samples = np.searchsorted(source.proxy, source.samples)
     scale = np.sqrt(target.area)
     points = closest_points(

@@ -1,38 +1,56 @@
 """A surface that was cut off from a larger one, found on it.
 
 Beyond the paper, whose surfaces are whole. A part has another conformal structure, other eigenfunctions and another
-area than the whole that it belongs to; what it keeps are lengths, curvature and, away from the cut, distances. So both
-are measured in common units, which their files must share. Triplets of samples are judged by geodesic distances
-instead of Möbius maps, the places that the best of them send the part to are compared, and the part is bent onto the
-whole at the best. Each way of matching reads its matches off the bent part.
+area than the whole that it belongs to; what it keeps are lengths, curvature and, away from the cut, distances and the
+ways that shortest paths run. So both are measured in common units, at the size at which the part fits best. Triplets of
+samples are judged by their paths instead of Möbius maps, the places that the best of them send the part to are
+compared, and the part is bent onto the whole at the best. Each way of matching reads its matches off the bent part.
 """
 
 from __future__ import annotations
 
 import os
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from .geometry.points import SurfacePoints
 from .hints import Hints
-from .locating import Pair
-from .mesh.topology import boundary_edges
+from .locating import Pair, Place
+from .placing import OPEN, openness, places_on_part, places_on_whole
 from .registration import Registration
 from .surface import Surface
 
-LARGEST = 0.97
-"""Part of the other surface's area above which a surface is taken for a whole, though it has a boundary."""
+LARGEST, SMALLEST = 0.97, 0.1
+"""Part of the whole's area that a part may have: above, it is taken for a whole, though it has a boundary."""
 
-SCALES = (1.0, 1 / 1.2, 1.2)
-"""Sizes of the part that are tried, the second and third where the first leads to no good place."""
+MOST = 0.75
+"""Part of the whole's area up to which nothing is gained by matching a part as a whole."""
 
-GOOD, BETTER = 0.6, 0.8
-"""Badness of a good place, and how much less, as a factor, that at another size has to be."""
+CLOSED = 0.5
+"""What part of the part's boundary the whole's may have, per sqrt(area) each, if the two have different units."""
 
-OPEN = 0.15
-"""Least length of the boundary of a part, per sqrt(area) of the whole."""
+STEP, FAITH = 1.2, 0.03
+"""Ratio of one size to the next that is tried, and by which part a size has to fit better for each step that it is off
+the units of the files."""
+
+DOUBTFUL = 0.1
+"""How much worse another place is at most that a user is told of."""
+
+WORST, LOOSEST, UNLIKE = 1.95, 0.0135, 0.5
+"""Badness of a place, mean distance of the bent part from the whole, and 1 - the rank correlation of their mean
+curvatures, above which the one is no part of the other."""
+
+STRANGE = 3.5
+"""Badness of an explanation above which two surfaces with long boundaries are hardly the same as wholes."""
+
+LACKING = (
+    "both have long boundaries, and hardly agree as wholes: if each lacks what the other has, matches are wrong; their "
+    "confidence was halved"
+)
+DISTRUST = 0.5
+"""What chances are multiplied by then."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,15 +76,13 @@ class PartPlaces:
 
 def part_places(
     source: Surface, target: Surface, seed: int, jobs: int | None = None, hints: Hints | None = None
-) -> tuple[PartPlaces | None, str]:
+) -> tuple[PartPlaces | None, list[str]]:
     """Where the source's samples lie on the target, if one of the two is a part of the other.
-
-    The part may be up to a third larger or smaller than the units of the files say, not more.
 
     Parameters
     ----------
     source, target
-        The surfaces, in about the same units.
+        The surfaces.
     seed
         Of the triplets.
     jobs
@@ -78,37 +94,87 @@ def part_places(
     -------
     places
         None if neither is a part of the other.
-    note
-        What a user should know of it, empty where neither looks like a part.
+    notes
+        What a user should know of it, a line each; none where neither looks like a part.
     """
-    if not is_part(source, target) and not is_part(target, source):
-        return None, ""
-    part, whole = (source, target) if source.area < target.area else (target, source)
+    part, whole = (source, target) if is_part(source, target) else (target, source)
+    if not is_part(part, whole):
+        return None, []
     if hints is not None and part is target:
         hints = hints.inverse
-    places, least, size = None, np.inf, 1.0
     with ThreadPoolExecutor(jobs or os.cpu_count() or 1) as pool:
-        for scale in SCALES:
-            if part.area * scale**2 > LARGEST * whole.area:
-                continue
-            pair = Pair(replace(part, area=whole.area / scale**2), whole, hints)
-            found = pair.located(np.random.default_rng(seed), pool)
-            if found is not None and pair.badness(found) < BETTER * least:
-                least, size = pair.badness(found), scale
-                points, chances = pair.places_on_whole(found) if part is source else pair.places_on_part(found)
-                places = PartPlaces(points, chances, pair.part, whole, found, part is source)
-            if least <= GOOD:
-                break
+        pair = Pair(part, whole, hints)
+        size = likely_size(pair, part.area / whole.area, seed, pool)
+        pair = pair.resized(size)
+        place = pair.located(np.random.default_rng(seed), pool)
     share = f"{part.mesh.name} has a long boundary, and {part.area / whole.area:.0%} of the area of {whole.mesh.name}"
-    if places is None:
-        return None, f"{share}, but was not found on it in the units of the files; it was matched as a whole"
-    units = "in the units of the files" if size == 1 else f"at {size:.2f} times its size"
-    return places, f"{share}; it was matched as a part of it, {units}"
+    closed, left = openness(whole) <= OPEN, part.area * size**2 / whole.area
+    sure = place is not None and credible(pair, place)
+    if place is None or not (sure or (closed and left <= MOST)):
+        return None, [f"{share}, but was not found on it; it was matched as a whole"]
+    how = f"at {size:.3g} times its size" if sure else "but fits nowhere well, so that few matches are likely enough"
+    notes = [f"{share}; it was matched as a part of it, {how}"]
+    if place.margin <= DOUBTFUL:
+        notes.append(
+            f"another place for {part.mesh.name} is nearly as good (it lost by {place.margin:.2f}; below {DOUBTFUL} is "
+            "close): look at the matches"
+        )
+    if not closed:
+        notes.append(f"{whole.mesh.name} has a long boundary, too: what each of the two lacks may be matched wrongly")
+    points, chances = places_on_whole(pair, place) if part is source else places_on_part(pair, place)
+    return PartPlaces(points, chances, pair.part, whole, place.registration, part is source), notes
+
+
+def credible(pair: Pair, place: Place) -> bool:
+    """Whether the part is likely to lie there, or at least nowhere else."""
+    evidence = pair.evidence(place.registration)
+    return place.badness <= WORST and evidence["misfit"] <= LOOSEST and evidence["mean curvature"] <= UNLIKE
 
 
 def is_part(surface: Surface, other: Surface) -> bool:
-    """Whether a surface may be a part of another: it has a long boundary, and in the units of the files less area."""
-    if surface.area > LARGEST * other.area:
-        return False
-    ends = surface.mesh.vertices[boundary_edges(surface.mesh.faces)]
-    return bool(np.linalg.norm(ends[:, 0] - ends[:, 1], axis=1).sum() > OPEN * np.sqrt(other.area))
+    """Whether a surface may be a part of another.
+
+    It has a long boundary, and in the units of the files less area; or these must differ, and the other is closed.
+    """
+    share, opening = surface.area / other.area, openness(surface)
+    if SMALLEST <= share <= LARGEST:
+        return opening * np.sqrt(share) > OPEN
+    return not LARGEST < share < 1 / LARGEST and opening > max(OPEN, openness(other) / CLOSED)
+
+
+def lacking(source: Surface, target: Surface, badness: float) -> bool:
+    """Whether each of two surfaces may lack what the other has, by how badly they agree as wholes."""
+    return badness > STRANGE and min(openness(source), openness(target)) > OPEN
+
+
+def likely_size(pair: Pair, share: float, seed: int, pool: ThreadPoolExecutor) -> float:
+    """The size of the part, as a multiple of what its file says, at which it fits best on the whole.
+
+    Parameters
+    ----------
+    pair
+        The two, at the sizes of the files.
+    share
+        The part's area, at that size, per that of the whole.
+    seed, pool
+        Of the triplets, and who judges them.
+    """
+    # Steps up or down to a part as large as its whole, and to the smallest.
+    most, least = (np.log(limit / share) / (2 * np.log(STEP)) for limit in (LARGEST, SMALLEST))
+    known = least <= 0 <= most
+    fits = dict.fromkeys([0.0] if known else np.arange(most, least, -1.0).tolist(), -1.0)
+    while True:
+        for step, fit in fits.items():
+            if fit < 0:
+                worth = pair.resized(STEP**step).fit(np.random.default_rng(seed), pool)
+                fits[step] = worth * (1 - known * FAITH * abs(step))
+        best = max(fits, key=fits.__getitem__)
+        beside = [step for step in (best - 1, best + 1) if least <= step <= most]
+        if all(step in fits for step in beside):
+            break
+        fits |= dict.fromkeys((step for step in beside if step not in fits), -1.0)
+    if len(beside) == 2:
+        # The top of the parabola through three sizes.
+        below, fit, above = fits[best - 1], fits[best], fits[best + 1]
+        best += (below - above) / (2 * (below - 2 * fit + above) or 1.0)
+    return float(STEP**best)
