@@ -178,6 +178,18 @@ def test_cut_face_is_at_the_most_central_vertex():
     assert abs(vertices[mesh.faces[cut], 2].mean() - 2.0) < 0.3
 
 
+def test_cut_face_is_none_that_holds_a_vertex_of_its_own():
+    """An ear: a triangle that shares one edge with a grid. Cut out, its tip would have no place."""
+    vertices, faces = grid()
+    tip = len(vertices)
+    vertices = np.vstack([vertices, [5.5, -0.9, 0.0]])
+    mesh = intrinsic_mesh(vertices, np.vstack([faces, [6, 5, tip]]), delaunay=False)
+    cut = choose_cut_face(mesh, np.linalg.norm(vertices - [5.4, -0.5, 0.0], axis=1))
+    assert 5 in mesh.faces[cut]
+    assert tip not in mesh.faces[cut]
+    assert np.isfinite(vertex_positions(flatten(mesh, cut), mesh, np.arange(tip + 1))).all()
+
+
 def test_samples_keep_apart_in_the_plane_where_the_cut_is_central():
     vertices, faces = lump(4)
     mesh = intrinsic_mesh(vertices, faces)

@@ -51,14 +51,15 @@ def choose_cut_face(mesh: IntrinsicMesh, average_distance: np.ndarray) -> int:
     average_distance
         Average geodesic distance of each vertex to the others, (n,) float64.
     """
-    # A vertex with one face alone would lose its last equation with that face.
-    n_faces = np.bincount(mesh.faces.ravel(), minlength=mesh.n_vertices)
-    centre = np.argmin(np.where(n_faces > 1, average_distance, np.inf))
     # A folded face (twice the same vertex) exists only in intrinsic triangulations, and has no two ends to fix.
-    folded = (mesh.faces == np.roll(mesh.faces, 1, axis=1)).any(axis=1)
-    around = np.flatnonzero((mesh.faces == centre).any(axis=1) & ~folded)
-    if not len(around):
-        around = np.flatnonzero(~folded)
+    good = ~(mesh.faces == np.roll(mesh.faces, 1, axis=1)).any(axis=1)
+    # A vertex with one face alone would lose its place with that face.
+    alone = np.bincount(mesh.faces.ravel(), minlength=mesh.n_vertices) == 1
+    if (good & ~alone[mesh.faces].any(axis=1)).any():
+        good &= ~alone[mesh.faces].any(axis=1)
+    corners = np.unique(mesh.faces[good])
+    centre = corners[np.argmin(average_distance[corners])]
+    around = np.flatnonzero((mesh.faces == centre).any(axis=1) & good)
     return int(around[np.argmin(average_distance[mesh.faces[around]].sum(axis=1))])
 
 
