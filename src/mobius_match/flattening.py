@@ -11,9 +11,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+import scipy.sparse as sp
+from scipy.sparse.csgraph import connected_components
 
 from .compiling import jit
 from .geometry.laplacian import IntrinsicMesh, corner_cotangents
+
+TRIED = 100
+"""Faces that are tried for the cut, at most."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,15 +57,26 @@ def choose_cut_face(mesh: IntrinsicMesh, average_distance: np.ndarray) -> int:
         Average geodesic distance of each vertex to the others, (n,) float64.
     """
     # A folded face (twice the same vertex) exists only in intrinsic triangulations, and has no two ends to fix.
-    good = ~(mesh.faces == np.roll(mesh.faces, 1, axis=1)).any(axis=1)
+    folded = (mesh.faces == np.roll(mesh.faces, 1, axis=1)).any(axis=1)
     # A vertex with one face alone would lose its place with that face.
     alone = np.bincount(mesh.faces.ravel(), minlength=mesh.n_vertices) == 1
-    if (good & ~alone[mesh.faces].any(axis=1)).any():
-        good &= ~alone[mesh.faces].any(axis=1)
-    corners = np.unique(mesh.faces[good])
+    bad = folded | alone[mesh.faces].any(axis=1)
+    corners = np.unique(mesh.faces[~bad if not bad.all() else ~folded])
     centre = corners[np.argmin(average_distance[corners])]
-    around = np.flatnonzero((mesh.faces == centre).any(axis=1) & good)
-    return int(around[np.argmin(average_distance[mesh.faces[around]].sum(axis=1))])
+    elsewhere = ~(mesh.faces == centre).any(axis=1)
+    order = np.lexsort((average_distance[mesh.faces].sum(axis=1), elsewhere, bad, folded))
+    for face in order[:TRIED]:
+        if not bad[face] and _in_one_piece(mesh, int(face)):
+            return int(face)
+    return int(order[0])
+
+
+def _in_one_piece(mesh: IntrinsicMesh, face: int) -> bool:
+    """Whether the other faces still hang together by their edges without a face."""
+    others = np.delete(np.arange(len(mesh.faces)), face)
+    sides = mesh.face_edges[others].ravel()
+    incidence = sp.csr_matrix((np.ones(len(sides)), (np.repeat(np.arange(len(others)), 3), sides)))
+    return bool(connected_components(incidence @ incidence.T, directed=False, return_labels=False) == 1)
 
 
 def flatten(mesh: IntrinsicMesh, cut_face: int) -> Flattening:
