@@ -258,7 +258,7 @@ def _spread(
             pairs, _ = _assign(votes.matrix, settings)
             image = target.proxy[spread(source, target, pairs[:TRUSTED], hints).argmax(axis=1)]
             found = [Explanation(image, {}, 0.0, 1.0, hints=hints)]
-        return through(dense_map(source, target, found[0].registered(source, target)), hints)
+        return through(dense_map(source, target, found[0].settled(source, target)), hints)
 
 
 def _alternatives(

@@ -9,6 +9,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.spatial import cKDTree
 
+from ..geometry.nearest import Leaves, nearest_rows, together
 from ..geometry.points import SurfacePoints, closest_points
 from ..geometry.spectral import functional_map
 from ..mesh.topology import edge_table
@@ -16,14 +17,14 @@ from ..registration import Body, Registration, vertex_normals
 from ..surface import Surface
 from .surface_map import SurfaceMap
 
-TRUST = (0.1, 0.3)
+TRUST = (0.1, 0.3, 1.0)
 """Weight of the places against rigidity, from one round to the next."""
 
 ROUNDS, STEPS = 2, 2
 """Searches for the nearest points at each weight, and alternations of turning and moving after each."""
 
-NORMAL, SPECTRAL, LOWEST = 0.07, 0.02, 15
-"""How much normals and the lowest eigenfunctions count in the nearest point, against places per sqrt(area)."""
+NORMAL, SPECTRAL = 0.05, 0.02
+"""How much normals and eigenfunctions count in the nearest point, against places per sqrt(area)."""
 
 BESIDE = 0.03
 """Distance per sqrt(area) from a bent part up to which a point of the whole belongs to it."""
@@ -91,20 +92,19 @@ def bend(
     normals1, normals2 = vertex_normals(rest, source.mesh.faces), vertex_normals(there, target.mesh.faces)
     positions, turns = _carried(rest, source.proxy, registration.positions / scale2, registration.rotations)
     body = Body(rest, edges_of(source.mesh.faces))
-    # The few lowest eigenfunctions keep a point from a limb that lies close by but belongs elsewhere.
-    low1, low2 = (
-        surface.eigenfunctions[:, : LOWEST if whole else 0].astype(np.float64) for surface in (source, target)
-    )
-    low1 = low1 @ functional_map(low1[source.proxy], low2[registration.image])
-    goals = _features(there, normals2, low2)
-    nearest = cKDTree(goals)
+    # Eigenfunctions keep a point from a limb that lies close by but belongs elsewhere, and from sliding along its own.
+    # Nothing is left of them on a part.
+    shared = source.eigenfunctions.shape[1] if whole else 0
+    spectral1, spectral2 = (one.eigenfunctions[:, :shared].astype(np.float64) for one in (source, target))
+    spectral1 = spectral1 @ functional_map(spectral1[source.proxy], spectral2[registration.image])
+    goals = _features(there, normals2, spectral2)
+    among, beside = Leaves(goals), together(rest)
     for trust in TRUST:
         for _ in range(ROUNDS):
-            seekers = _features(positions, turned(normals1, turns), low1)
-            image = nearest.query(seekers)[1]
-            places = there[image]
+            seekers = _features(positions, turned(normals1, turns), spectral1)
+            places = there[among.nearest(seekers)]
             if whole:
-                drawn = cKDTree(seekers).query(goals)[1]
+                drawn = Leaves(seekers, beside).nearest(goals)
                 number = 1 + np.bincount(drawn, minlength=len(rest))
                 drawing = np.stack([np.bincount(drawn, axis, len(rest)) for axis in there.T], axis=1)
                 places = (drawing + places) / number[:, None]
@@ -122,7 +122,7 @@ def _closest(
 ) -> SurfacePoints:
     """The points of a mesh that lie nearest to queries (q, 3) and are turned as they are."""
     queries, there = queries / scale, vertices / scale
-    near = cKDTree(_features(there, normals)).query(_features(queries, query_normals))[1]
+    near = nearest_rows(_features(queries, query_normals), _features(there, normals))
     return closest_points(there, faces, queries, near)
 
 
