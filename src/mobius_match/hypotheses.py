@@ -103,16 +103,10 @@ class Explanation:
         found = each(
             lambda i, _: register(source, target, image, freeing=ways[i], hints=self.hints), len(ways), jobs, None
         )
-        return found[0] if len(found) == 1 else min(found, key=partial(_misgivings, source, target))
-
-    def settled(self, source: Surface, target: Surface) -> Registration:
-        """:meth:`registered`, or the same begun once more from where that came to lie, if less speaks against it."""
-        first = self.registered(source, target)
-        again = replace(self, image=first.image, registration=None).registered(source, target)
-        return min(first, again, key=partial(_misgivings, source, target))
+        return found[0] if len(found) == 1 else min(found, key=partial(misgivings, source, target))
 
 
-def _misgivings(source: Surface, target: Surface, registration: Registration) -> float:
+def misgivings(source: Surface, target: Surface, registration: Registration) -> float:
     """What speaks against the source bent in one way, to be compared with another: its strain, and what maps tell."""
     place = nearest_centres(target.mesh.vertices, target.mesh.faces, target.proxy)
     return strain(source, target, registration) + weighted(compare(source, target, place[registration.image]))
