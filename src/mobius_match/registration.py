@@ -89,7 +89,7 @@ def register(
     whole: bool = True,
     rounds: int = ROUNDS,
     freeing: bool = True,
-    trusts: tuple[float, ...] = TRUST,
+    trusts: tuple[float, ...] | None = None,
     hints: Hints | None = None,
 ) -> Registration:
     """Bend the source onto the target.
@@ -107,10 +107,11 @@ def register(
     freeing
         Whether pieces that the map tears off are set free at first, to follow the body.
     trusts
-        Weights of the places against rigidity; see :data:`TRUST`.
+        Weights of the places against rigidity, from one round to the next; None for :data:`TRUST`.
     hints
         Pairs that are known: the source is pinned there.
     """
+    trusts = trusts or TRUST
     centre = target.mesh.vertices.mean(axis=0)
     here, there = source.mesh.vertices / np.sqrt(source.area), (target.mesh.vertices - centre) / np.sqrt(target.area)
     normals1, normals2 = vertex_normals(here, source.mesh.faces)[source.proxy], vertex_normals(there, target.mesh.faces)
