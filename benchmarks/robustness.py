@@ -62,15 +62,15 @@ def match_change(case: Case, source: mm.Surface, original: mm.Mesh, name: str) -
         pairs = mm.match(source, target, jobs=1).pairs
     except mm.MobiusError as error:
         return {"name": case.name, "status": "failed", "error": str(error)}
-    diameter = cached_diameter(target.mesh, "heat")
+    diameter = cached_diameter(target.whole_mesh, "heat")
     return {
         "name": case.name,
         "status": "done",
         "pairs": pairs,
-        **errors(replace(case, truth=truth), source.mesh, target.mesh, pairs),
+        **errors(replace(case, truth=truth), source.whole_mesh, target.whole_mesh, pairs),
         "dense": None,
         "diameter": diameter,
-        "area": mesh_area(target.mesh),
+        "area": mesh_area(target.whole_mesh),
         "apart": changed.apart[case.truth.target].mean() / diameter,
     }
 
