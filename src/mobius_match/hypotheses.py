@@ -195,8 +195,7 @@ def contested(source: Surface, target: Surface, found: list[Explanation], jobs: 
     rivals = [one for one in found[:CONTENDERS] if one.badness - found[0].badness <= CONTEST]
 
     def strained(i: int, _: Progress) -> float:
-        first, second = _brought_together(source, target, rivals[i])
-        image = target.proxy[_transport(source, target, first[source.proxy], second[target.proxy]).plan.argmax(axis=1)]
+        image = target.proxy[plan_of(source, target, rivals[i]).argmax(axis=1)]
         return strain(source, target, sketched(source, target, image, rivals[i].hints))
 
     if len(rivals) > 1:
@@ -306,6 +305,12 @@ def finer_targets(source: Surface, target: Surface, explanation: Explanation, ve
     return _transport(source, target, first[source.proxy], of_proxy).images(
         _described(source, vertices, first[vertices], of_proxy), _described(target, everywhere, second, of_proxy)
     )
+
+
+def plan_of(source: Surface, target: Surface, explanation: Explanation) -> np.ndarray:
+    """Which part of each point of the source's proxy an explanation sends where in the target's, (P1, P2)."""
+    first, second = _brought_together(source, target, explanation)
+    return _transport(source, target, first[source.proxy], second[target.proxy]).plan
 
 
 def _brought_together(source: Surface, target: Surface, explanation: Explanation) -> tuple[np.ndarray, np.ndarray]:

@@ -248,7 +248,7 @@ def _spread(
     hints: Hints | None,
 ) -> SurfaceMap:
     """The dense map under the chosen explanation; without one, under the matches of the samples."""
-    from .dense.refine import dense_map, settled
+    from .dense.refine import dense_map, map_along
 
     with threadpool_limits(limits=1, user_api="blas"):
         if isinstance(found, PartPlaces):
@@ -258,7 +258,7 @@ def _spread(
             pairs, _ = _assign(votes.matrix, settings)
             image = target.proxy[spread(source, target, pairs[:TRUSTED], hints).argmax(axis=1)]
             found = [Explanation(image, {}, 0.0, 1.0, hints=hints)]
-        return through(dense_map(source, target, settled(source, target, found[0])), hints)
+        return through(map_along(source, target, found[0]), hints)
 
 
 def _alternatives(

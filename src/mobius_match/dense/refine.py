@@ -15,7 +15,7 @@ from scipy.spatial import cKDTree
 from ..geometry.nearest import Leaves, nearest_rows, together
 from ..geometry.points import SurfacePoints, closest_points
 from ..geometry.spectral import functional_map
-from ..hypotheses import Explanation, misgivings
+from ..hypotheses import Explanation, misgivings, plan_of
 from ..mesh.topology import edge_table
 from ..registration import Body, Registration, vertex_normals
 from ..surface import Surface
@@ -24,10 +24,10 @@ from .surface_map import SurfaceMap
 TRUST = (0.1, 0.3, 1.0)
 """Weight of the places against rigidity, from one round to the next."""
 
-ROUNDS, STEPS = 2, 2
+ROUNDS, STEPS = 4, 4
 """Searches for the nearest points at each weight, and alternations of turning and moving after each."""
 
-NORMAL, SPECTRAL = 0.05, 0.02
+NORMAL, SPECTRAL = 0.04, 0.005
 """How much normals and eigenfunctions count in the nearest point, against places per sqrt(area)."""
 
 BESIDE = 0.03
@@ -37,8 +37,26 @@ AGAIN, LAST, ASTRAY = 5, 4, 0.05
 """How often the proxy is bent again, over how many of the last its positions are averaged, and how far from the best,
 per sqrt(area), one counts."""
 
+SLIMMER = 1.05
+"""How many times longer, per sqrt(area), distances on the target are on the whole where it is the one that is bent."""
+
 CARRIERS = 6
 """Vertices of the proxy that carry each vertex of the mesh."""
+
+
+def map_along(source: Surface, target: Surface, explanation: Explanation) -> SurfaceMap:
+    """The map of all the user's vertices, both ways, along an explanation of two whole surfaces.
+
+    The slimmer surface is bent onto the other. What has to be pressed together (a long leg onto a short one) spreads by
+    its own rigidity; what has to be stretched hangs on at its ends alone, and a foot is drawn over half a shin.
+    """
+    slimness, other = (surface.normalized_distances.mean() for surface in (source, target))
+    if other <= SLIMMER * slimness:
+        return dense_map(source, target, settled(source, target, explanation))
+    image = source.proxy[plan_of(source, target, explanation).argmax(axis=0)]
+    hints = explanation.hints and explanation.hints.inverse
+    turned_round = replace(explanation, image=image, registration=None, hints=hints)
+    return dense_map(target, source, settled(target, source, turned_round)).inverse
 
 
 def dense_map(source: Surface, target: Surface, registration: Registration, *, whole: bool = True) -> SurfaceMap:
