@@ -20,7 +20,7 @@ import plain_kernel
 import mobius_match as mm
 from mobius_match import examples
 from mobius_match.mobius import homogeneous
-from mobius_match.voting import kernel, nearest
+from mobius_match.voting import kernel, nearest, sweep
 from mobius_match.voting.proposals import uniform_triplets
 from mobius_match.voting.tally import DEFAULT_MIN_FRACTION, WEIGHT_POWER, WEIGHT_SCALE
 
@@ -104,20 +104,16 @@ def search(
     for i in range(len(triplets[0])):
         kernel.to_canonical(samples1, triplets[0], i, image1)
         kernel.to_canonical(samples2, triplets[1], i, image2)
-        least.of_rows[:] = nearest.LARGEST
-        least.of_columns[:] = nearest.LARGEST
-        least.nearest_rows[:] = 0
         if all_of_them:
-            nearest.compare_all(image1, n, image2, False, least)
-            n_pairs += nearest.collect(n, least, pairs)
+            n_pairs += nearest.mutually_nearest(image1, n, image2, n, False, 0, least, pairs)
         else:
-            n_pairs += nearest.sweep(image1, n, image2, n, False, least, pairs)
+            n_pairs += sweep.sweep(image1, n, image2, n, False, least, pairs)
     return n_pairs
 
 
 def crossover(surfaces: list[mm.Surface]) -> None:
     """Print what comparing all points and sweeping cost, where one takes over from the other."""
-    print(f"\nmicroseconds of one search for nearest neighbours (the kernel sweeps from {nearest.SWEEP_FROM})")
+    print(f"\nmicroseconds of one search for nearest neighbours (the kernel sweeps from {sweep.SWEEP_FROM})")
     print("   N  all with all     sweep")
     for n in (100, 200, 250, 300, 350, 400, 500, 700, 1000):
         samples = [kernel.coordinates(homogeneous(surface.positions[:n])) for surface in surfaces]
