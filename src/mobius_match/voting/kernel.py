@@ -117,7 +117,7 @@ def candidates(
     many, -1 where the triplet has no transformation.
     """
     image1, image2, least, pairs = space
-    n = -1  # one way out: with several, references are counted, which takes as long as the mapping of the points
+    n = -1  # one way out: with several, the references of all arrays would be counted for every triplet
     if to_canonical(points1, triplets1, i, image1) and to_canonical(points2, triplets2, i, image2):
         if spherical:
             to_sphere(image1)

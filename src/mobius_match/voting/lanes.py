@@ -1,7 +1,8 @@
 """Sixteen numbers at a time, for loops that compilers don't turn into vector instructions well enough by themselves.
 
 ``Lanes`` are values that kernels compute with as with numbers; they become whatever vector instructions the processor
-has. Each function says which instruction of LLVM it is.
+has: one each with AVX-512, two with AVX2, four with SSE or NEON. Nothing is checked: arrays lie in one piece, indices
+count their numbers row after row, and whole vectors must lie inside.
 """
 
 from __future__ import annotations
@@ -45,7 +46,7 @@ def _constant(indices: list[int]) -> ir.Constant:
 
 
 def _pointer(context: Any, builder: Any, signature: Any, args: Any) -> Any:
-    """Where sixteen numbers lie from index args[1] of the array args[0] on; not checked."""
+    """Where sixteen numbers of the array args[0] lie, from index args[1] on."""
     data = context.make_array(signature.args[0])(context, builder, args[0]).data
     lanes = context.get_value_type(Lanes(signature.args[0].dtype))
     return builder.bitcast(builder.gep(data, [args[1]]), lanes.as_pointer())
@@ -70,7 +71,7 @@ _lane_by_lane(operator.mul, "fmul")
 
 @instruction
 def load(typing: Any, array: Any, start: Any) -> Any:
-    """The sixteen numbers of a one-dimensional array from an index on."""
+    """The sixteen numbers of an array from an index on."""
 
     def lowered(context: Any, builder: Any, signature: Any, args: Any) -> Any:
         return builder.load(_pointer(context, builder, signature, args), align=4)
@@ -80,7 +81,7 @@ def load(typing: Any, array: Any, start: Any) -> Any:
 
 @instruction
 def store(typing: Any, array: Any, start: Any, lanes: Any) -> Any:
-    """Write to sixteen places of a one-dimensional array from an index on."""
+    """Write to sixteen places of an array from an index on."""
 
     def lowered(context: Any, builder: Any, signature: Any, args: Any) -> Any:
         builder.store(args[2], _pointer(context, builder, signature, args), align=4)
@@ -104,7 +105,7 @@ def spread(typing: Any, number: Any) -> Any:
 
 @instruction
 def bits(typing: Any, lanes: Any) -> Any:
-    """Bits of float32 as int32: ``bitcast``."""
+    """Bits of float32 as int32."""
 
     def lowered(context: Any, builder: Any, signature: Any, args: Any) -> Any:
         return builder.bitcast(args[0], context.get_value_type(INTS))
@@ -124,7 +125,7 @@ def minimum(typing: Any, one: Any, other: Any) -> Any:
 
 @instruction
 def where_less(typing: Any, one: Any, other: Any, then: Any, otherwise: Any) -> Any:
-    """Lanes of ``then`` where those of ``one`` are less than those of ``other``, all int32: ``select``."""
+    """Lanes of ``then`` where those of ``one`` are less than those of ``other``, all int32."""
 
     def lowered(context: Any, builder: Any, signature: Any, args: Any) -> Any:
         return builder.select(builder.icmp_signed("<", *args[:2]), *args[2:])
@@ -134,7 +135,7 @@ def where_less(typing: Any, one: Any, other: Any, then: Any, otherwise: Any) -> 
 
 @instruction
 def least_lane(typing: Any, lanes: Any) -> Any:
-    """The least of sixteen int32: ``vector.reduce.smin``."""
+    """The least of sixteen int32."""
 
     def lowered(context: Any, builder: Any, signature: Any, args: Any) -> Any:
         kind = ir.FunctionType(ir.IntType(32), [args[0].type])
@@ -162,7 +163,7 @@ def any_equal(typing: Any, one: Any, other: Any) -> Any:
 
 @instruction
 def first_equal(typing: Any, one: Any, other: Any) -> Any:
-    """Number of the first of sixteen int32 that is equal to that in the same lane, 0 if none is: ``cttz``."""
+    """Number of the first of sixteen int32 that is equal to that in the same lane, 0 if none is."""
 
     def lowered(context: Any, builder: Any, signature: Any, args: Any) -> Any:
         equal = _equal(builder, args)

@@ -145,7 +145,8 @@ def mutually_nearest(
     Where there cannot be ``least_pairs``, the search is given up and a lower number returned; ``pairs`` means nothing.
     """
     forget(least)
-    # The nearest of the early columns are known when all rows have seen them; rows may still find nearer columns.
+    # When all rows have seen the early columns, their nearest are known; only rows may still find nearer ones. So there
+    # are no more pairs than are listed now and columns to come. Half as many as pairs: few triplets go on without hope.
     early = padded(n2 - least_pairs // 2)
     if n2 - early < WIDTH:
         early = padded(n2)
