@@ -17,6 +17,7 @@ from mobius_match.voting.kernel import (
     vote_weighted,
 )
 from mobius_match.voting.proposals import uniform_triplets
+from mobius_match.voting.sweep import SEEDS, SWEEP_FROM, sweep
 
 Y1, Y2, Y3 = (complex(y) for y in CANONICAL_TRIANGLE)
 
@@ -100,19 +101,18 @@ def padded(points):
     return result
 
 
-def search(first, second, sweep=None):
-    """The pairs that the search finds, {(row, column, squared distance)}; by a sweep or not, if it is said."""
+def search(first, second, sweeping=False):
+    """The pairs that the search finds, {(row, column, squared distance)}; all points are compared, or it sweeps."""
     (dimension, n1), n2 = first.shape, second.shape[1]
-    least, pairs = nearest.room_for_least(n1, n2), nearest.room_for_pairs(n2)
-    if sweep is None:
-        n = nearest.mutually_nearest(padded(first), n1, padded(second), n2, dimension == 3, least, pairs)
+    sets, least, pairs = (
+        (padded(first), n1, padded(second), n2),
+        nearest.room_for_least(n1, n2),
+        nearest.room_for_pairs(n2),
+    )
+    if sweeping:
+        n = sweep(*sets, dimension == 3, least, pairs)
     else:
-        least.of_rows[:], least.of_columns[:], least.nearest_rows[:] = nearest.LARGEST, nearest.LARGEST, 0
-        if sweep:
-            n = nearest.sweep(padded(first), n1, padded(second), n2, dimension == 3, least, pairs)
-        else:
-            nearest.compare_all(padded(first), n1, padded(second), dimension == 3, least)
-            n = nearest.collect(n2, least, pairs)
+        n = nearest.mutually_nearest(*sets, dimension == 3, 0, least, pairs)
     found = list(zip(*(array[:n].tolist() for array in pairs), strict=True))
     assert len(set(found)) == n
     return set(found)
@@ -243,17 +243,16 @@ def test_search_finds_the_mutually_nearest(dimension, kind, sizes):
     first, second = (scattered("around" if n < 9 else kind, rng, n, dimension) for n in sizes)
     expected = set(pairs_twin(first, second))
     assert search(first, second) == expected
-    assert search(first, second, sweep=False) == expected
-    if min(sizes) > nearest.SEEDS:
-        assert search(first, second, sweep=True) == expected
+    if min(sizes) > SEEDS:
+        assert search(first, second, sweeping=True) == expected
 
 
-@pytest.mark.parametrize("sweep", [False, True])
-def test_of_equally_near_points_each_is_in_one_pair(sweep):
+@pytest.mark.parametrize("sweeping", [False, True])
+def test_of_equally_near_points_each_is_in_one_pair(sweeping):
     """On a coarse grid, where most points are doubled, what is found is mutually nearest and no point comes twice."""
     rng = np.random.default_rng(5)
     first, second = (rng.integers(-6, 6, (2, n)).astype(np.float32) for n in (200, 190))
-    found = search(first, second, sweep)
+    found = search(first, second, sweeping)
     squared = squared_twin(first, second)
     assert len(found) > 50
     assert len({k for k, _, _ in found}) == len({j for _, j, _ in found}) == len(found)
@@ -267,10 +266,46 @@ def test_of_equally_near_points_the_lowest_number_is_taken():
     assert search(first, second) == {(0, 0, 1.0)}
 
 
+@pytest.mark.parametrize("sizes", [(70, 70), (66, 128), (130, 90)])
+def test_search_is_given_up_only_where_there_are_too_few_pairs(sizes):
+    """Whatever number of pairs is asked for, sets that have it are found to, and all their pairs, and no others."""
+    rng = np.random.default_rng(sizes)
+    n1, n2 = sizes
+    first = rng.normal(size=(2, n1))
+    for noise in (0.01, 0.1, 1.0):  # from most points being in a pair to what chance pairs
+        second = np.resize(first.T, (n2, 2)).T + noise * rng.normal(size=(2, n2))
+        sets = [points.astype(np.float32) for points in (first, second)]
+        expected = set(pairs_twin(*sets))
+        for least_pairs in range(min(sizes) + 1):
+            least, pairs = nearest.room_for_least(n1, n2), nearest.room_for_pairs(n2)
+            arguments = padded(sets[0]), n1, padded(sets[1]), n2, False, least_pairs, least, pairs
+            n = nearest.mutually_nearest(*arguments)
+            if len(expected) < least_pairs:
+                assert n < least_pairs
+            else:
+                assert set(zip(*(array[:n].tolist() for array in pairs), strict=True)) == expected
+
+
+@pytest.mark.parametrize("spherical", [False, True])
+def test_votes_equal_their_twin_where_most_triplets_are_given_up(spherical):
+    rng = np.random.default_rng(4)
+    z = rng.normal(size=70) + 1j * rng.normal(size=70)
+    w = apply(np.array([[1.0, 0.3j], [0.2, 1.1]]), z + 0.03 * rng.normal(size=70))
+    triplets = uniform_triplets(rng, 100, 70, 70)
+    triplets[1][::5] = triplets[0][::5]  # right ones, some of which have enough pairs
+    problem = homogeneous(z), homogeneous(w), *triplets
+    votes = np.zeros((70, 70))
+    n_voting = vote(*problem, 50, 0.01, spherical, votes)
+    expected, n_expected = vote_twin(*problem, 50, 0.01, spherical)
+    assert n_voting == n_expected
+    assert 5 < n_voting < 20
+    np.testing.assert_array_equal(votes, expected)
+
+
 def test_many_samples_vote_as_their_twin():
     """From this number on the kernel sweeps."""
     rng = np.random.default_rng(2)
-    n = nearest.SWEEP_FROM + 1
+    n = SWEEP_FROM + 1
     z = rng.normal(size=n) + 1j * rng.normal(size=n)
     w = apply(np.array([[1.0, 0.3j], [0.2, 1.1]]), z + 0.01 * rng.normal(size=n))
     triplets = uniform_triplets(rng, 20, n, n)

@@ -12,9 +12,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..compiling import jit
+from ..compiling import inlined, jit
 from ..mobius import CANONICAL_TRIANGLE
 from .nearest import Least, Pairs, mutually_nearest, padded, room_for_least, room_for_pairs
+from .sweep import SWEEP_FROM, sweep
 
 INFINITE = 1e100  # stands for infinity among the samples: less any other sample it is the same, to the last digit
 FAR = 1e15  # stands for infinity in the canonical plane; its square still fits a float32
@@ -97,7 +98,7 @@ def workspace(n1: int, n2: int) -> Workspace:
     return Workspace(image1, image2, room_for_least(n1, n2), room_for_pairs(n2))
 
 
-@jit
+@inlined
 def candidates(
     points1: np.ndarray,
     n1: int,
@@ -106,21 +107,26 @@ def candidates(
     triplets1: np.ndarray,
     triplets2: np.ndarray,
     i: int,
+    least_pairs: int,
     spherical: bool,
     space: Workspace,
 ) -> int:
     """The candidate correspondence c of a triplet: move both sets to the canonical domain, pair the mutually nearest.
 
-    Writes ``space.pairs`` and returns the number n of pairs; -1 where the triplet has no transformation.
+    Writes ``space.pairs`` and returns the number n of pairs; a number below ``least_pairs`` where there are not so
+    many, -1 where the triplet has no transformation.
     """
     image1, image2, least, pairs = space
-    if not to_canonical(points1, triplets1, i, image1) or not to_canonical(points2, triplets2, i, image2):
-        return -1
-    if spherical:
-        to_sphere(image1)
-        to_sphere(image2)
-        return mutually_nearest(image1, n1, image2, n2, True, least, pairs)
-    return mutually_nearest(image1, n1, image2, n2, False, least, pairs)
+    n = -1  # one way out: with several, the references of all arrays would be counted for every triplet
+    if to_canonical(points1, triplets1, i, image1) and to_canonical(points2, triplets2, i, image2):
+        if spherical:
+            to_sphere(image1)
+            to_sphere(image2)
+        if min(n1, n2) < SWEEP_FROM:
+            n = mutually_nearest(image1, n1, image2, n2, spherical, least_pairs, least, pairs)
+        else:
+            n = sweep(image1, n1, image2, n2, spherical, least, pairs)
+    return n
 
 
 @jit
@@ -172,7 +178,7 @@ def vote(
     rows, columns, squared = space.pairs
     n_voting = 0
     for i in range(len(triplets1)):
-        n = candidates(samples1, n1, samples2, n2, triplets1, triplets2, i, spherical, space)
+        n = candidates(samples1, n1, samples2, n2, triplets1, triplets2, i, least_pairs, spherical, space)
         if n >= least_pairs:
             energy = 0.0
             for pair in range(n):
@@ -244,7 +250,7 @@ def vote_weighted(
     n_voting = 0
     totals[:] = 0.0
     for i in range(len(triplets1)):
-        n = candidates(samples1, n1, samples2, n2, triplets1, triplets2, i, spherical, space)
+        n = candidates(samples1, n1, samples2, n2, triplets1, triplets2, i, least_pairs, spherical, space)
         if n >= least_pairs:
             # The gathering first and alone: it overlaps, a call of exp between would keep it from that.
             triplet1, triplet2 = corners(triplets1, i), corners(triplets2, i)
@@ -276,7 +282,7 @@ def explained_pairs(
     space = workspace(n1, n2)
     explained = np.full((len(triplets1), n1), np.int32(-1))
     for i in range(len(triplets1)):
-        n = candidates(samples1, n1, samples2, n2, triplets1, triplets2, i, False, space)
+        n = candidates(samples1, n1, samples2, n2, triplets1, triplets2, i, 0, False, space)
         for pair in range(n):
             explained[i, space.pairs.rows[pair]] = space.pairs.columns[pair]
     return explained

@@ -1,43 +1,40 @@
 """Section 6, "Find mutually nearest-neighbors": the line of Algorithm 2 that takes most of the time.
 
-All points of one set are compared with all of the other where they are few; where they are many, a sweep along the
-first axis leaves most of them out. Either way the same pairs are found.
+All points of one set are compared with all of the other; :mod:`mobius_match.voting.sweep` is for many points.
 
 Points are the columns of float32 arrays (3, padded): two coordinates in the plane, three on the sphere. The columns
-after the last point repeat it, which changes no minimum and leaves the inner loops whole vector instructions. Points of
-the first set are called rows here and those of the second columns, after the matrix of distances that is never stored.
+after the last point repeat it, which changes no minimum and leaves whole vectors. Points of the first set are called
+rows here and those of the second columns, after the matrix of distances that is never stored.
 
 numba keeps compiled callers when a function in another file changes: delete ``__pycache__`` after changes here.
 """
 
 from __future__ import annotations
 
-import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from ..compiling import inlined, jit
+from .lanes import WIDTH, any_equal, bits, first_equal, least_lane, load, minimum, spread, store, where_less
 
-BLOCK = 8
 LARGEST = np.finfo(np.float32).max.view(np.int32)
 
-SWEEP_FROM = 350
-"""Number of points from which the sweep is faster, see benchmarks/kernel.py."""
-
-SEEDS = 32
-"""How many columns a row is compared with in the sweep to know how far it has to look."""
-
-
-Index = int | np.unsignedinteger
+Point = tuple[Any, Any, Any]
+"""Three coordinates, each of them ``Lanes``: sixteen points."""
 
 
 class Least(NamedTuple):
-    """Least squared distances (as bits) found so far of rows and of columns, and the nearest row of each column."""
+    """Least squared distances (as bits) found so far of rows and of columns.
+
+    ``groups`` tells of each column from which row on the nearest is one of sixteen; which of them it is matters for few
+    columns. ``lanes`` is room for sixteen least distances of each row, from as many columns that follow each other.
+    """
 
     of_rows: np.ndarray
     of_columns: np.ndarray
-    nearest_rows: np.ndarray
+    groups: np.ndarray
+    lanes: np.ndarray
 
 
 class Pairs(NamedTuple):
@@ -48,26 +45,25 @@ class Pairs(NamedTuple):
     squared: np.ndarray
 
 
-class Sorted(NamedTuple):
-    """Points by slices of the first axis: their old numbers, the slice of each old number, where each slice starts."""
-
-    points: np.ndarray
-    numbers: np.ndarray
-    slices: np.ndarray
-    starts: np.ndarray
-
-
 @jit
 def padded(n: int) -> int:
     """Number of columns of an array for n points."""
-    return -(-n // BLOCK) * BLOCK
+    return -(-n // WIDTH) * WIDTH
 
 
 @jit
 def room_for_least(n1: int, n2: int) -> Least:
     """Room for n1 rows and n2 columns."""
     rows, columns = np.empty(padded(n1), np.int32), np.empty(padded(n2), np.int32)
-    return Least(rows, columns, np.empty_like(columns))
+    return Least(rows, columns, np.empty_like(columns), np.empty((padded(n1), WIDTH), np.int32))
+
+
+@jit
+def forget(least: Least) -> None:
+    """Start anew."""
+    least.of_rows[:] = LARGEST
+    least.of_columns[:] = LARGEST
+    least.groups[:] = 0
 
 
 @jit
@@ -77,173 +73,118 @@ def room_for_pairs(n2: int) -> Pairs:
 
 
 @jit
-def point(points: np.ndarray, k: Index) -> tuple[float, float, float]:
-    """The three numbers of a point."""
-    return points[0, k], points[1, k], points[2, k]
+def points_from(points: np.ndarray, start: int) -> Point:
+    """The coordinates of sixteen points."""
+    size = points.shape[1]
+    return load(points, start), load(points, size + start), load(points, 2 * size + start)
 
 
 @jit
-def squared_distance(points: np.ndarray, j: Index, to: tuple[float, float, float], spherical: bool) -> np.int32:
-    """Squared distance of a point as the bits of a float32.
+def point(points: np.ndarray, k: int) -> Point:
+    """The coordinates of one point, in all lanes."""
+    j = np.uint64(k)
+    return spread(points[0, j]), spread(points[1, j]), spread(points[2, j])
 
-    It is not negative, so the bits order as the numbers do, and minima of integers are single vector instructions.
+
+@jit
+def squared_distances(one: Point, other: Point, spherical: bool) -> Any:
+    """Squared distances as the bits of float32.
+
+    They are not negative, so the bits order as the numbers do, and minima of integers are single vector instructions.
     """
-    dx, dy = points[0, j] - to[0], points[1, j] - to[1]
+    dx, dy = one[0] - other[0], one[1] - other[1]
     square = dx * dx + dy * dy
     if spherical:
-        dz = points[2, j] - to[2]
-        square += dz * dz
-    return np.float32(square).view(np.int32)
+        dz = one[2] - other[2]
+        square = square + dz * dz
+    return bits(square)
+
+
+@jit
+def compare(
+    first: np.ndarray, n1: int, second: np.ndarray, begin: int, end: int, spherical: bool, least: Least
+) -> None:
+    """Bring the least distances up to date with those between all rows and the columns from begin to end.
+
+    Columns begin and end with whole vectors.
+    """
+    of_rows, of_columns, groups, lanes = least
+    farthest = spread(LARGEST)
+    for column in range(begin, end, WIDTH):
+        there = points_from(second, column)
+        of_column, group = load(of_columns, column), load(groups, column)
+        for start in range(0, n1, WIDTH):
+            before = of_column
+            for k in range(start, min(start + WIDTH, n1)):
+                squared = squared_distances(there, point(first, k), spherical)
+                of_column = minimum(squared, of_column)
+                of_row = load(lanes, k * WIDTH) if column > begin else farthest
+                store(lanes, k * WIDTH, minimum(squared, of_row))
+            group = where_less(of_column, before, spread(np.int32(start)), group)
+        store(of_columns, column, of_column)
+        store(groups, column, group)
+    for k in range(n1):
+        of_rows[k] = min(of_rows[k], least_lane(load(lanes, k * WIDTH)))
 
 
 @inlined
-def compare(first: np.ndarray, k: int, second: np.ndarray, begin: int, end: int, spherical: bool, least: Least) -> None:
-    """Bring the least distances up to date with those between rows k and k + 1 and the columns from begin to end."""
-    of_rows, of_columns, nearest_rows = least
-    one, two = point(first, k), point(first, k + 1)
-    least_one, least_two = of_rows[k], of_rows[k + 1]
-    for column in range(begin, end):
-        j = np.uint64(column)  # numbers that might be negative would keep the loop from vector instructions
-        to_one, to_two = squared_distance(second, j, one, spherical), squared_distance(second, j, two, spherical)
-        least_one, least_two = min(to_one, least_one), min(to_two, least_two)
-        nearest, least_here = nearest_rows[j], of_columns[j]
-        nearest, least_here = np.int32(k) if to_one < least_here else nearest, min(to_one, least_here)
-        nearest_rows[j] = np.int32(k + 1) if to_two < least_here else nearest
-        of_columns[j] = min(to_two, least_here)
-    of_rows[k], of_rows[k + 1] = least_one, least_two
-
-
-@jit
 def mutually_nearest(
-    first: np.ndarray, n1: int, second: np.ndarray, n2: int, spherical: bool, least: Least, pairs: Pairs
+    first: np.ndarray,
+    n1: int,
+    second: np.ndarray,
+    n2: int,
+    spherical: bool,
+    least_pairs: int,
+    least: Least,
+    pairs: Pairs,
 ) -> int:
     """Pair the points that are each other's nearest; write them to ``pairs`` and return their number.
 
     Each point is in one pair at most: of equally near points one is taken, always the same.
+
+    Where there cannot be ``least_pairs``, the search is given up and a lower number returned; ``pairs`` means nothing.
     """
-    least.of_rows[:] = LARGEST
-    least.of_columns[:] = LARGEST
-    least.nearest_rows[:] = 0
-    if min(n1, n2) >= SWEEP_FROM:
-        return sweep(first, n1, second, n2, spherical, least, pairs)
-    compare_all(first, n1, second, spherical, least)
-    return collect(n2, least, pairs)
+    forget(least)
+    # When all rows have seen the early columns, their nearest are known; only rows may still find nearer ones. So there
+    # are no more pairs than are listed now and columns to come. Half as many as pairs: few triplets go on without hope.
+    early = padded(n2 - least_pairs // 2)
+    if n2 - early < WIDTH:
+        early = padded(n2)
+    compare(first, n1, second, 0, early, spherical, least)
+    n = shortlist(min(early, n2), least, pairs)
+    if early < n2 and n + n2 - early >= least_pairs:
+        compare(first, n1, second, early, padded(n2), spherical, least)
+        n = shortlist(n2, least, pairs)
+    if n >= least_pairs:
+        n = collect(n, first, second, spherical, least, pairs)
+    return n
 
 
 @jit
-def compare_all(first: np.ndarray, n1: int, second: np.ndarray, spherical: bool, least: Least) -> None:
-    """Compare all rows with all columns."""
-    for k in range(0, n1, 2):
-        compare(first, k, second, 0, second.shape[1], spherical, least)
+def shortlist(n2: int, least: Least, pairs: Pairs) -> int:
+    """Write the columns that have a row as near as their nearest in its group; return how many, no fewer than pairs.
 
-
-@jit
-def collect(n2: int, least: Least, pairs: Pairs) -> int:
-    """Write the columns that are the nearest of their nearest row; return their number."""
-    of_rows, of_columns, nearest_rows = least
+    There is no branch, as it would be foretold wrongly for most of them.
+    """
     n = 0
     for j in range(n2):
-        k, nearest = nearest_rows[j], of_columns[j]
+        pairs.columns[n] = j
+        n += any_equal(load(least.of_rows, least.groups[j]), spread(least.of_columns[j]))
+    return n
+
+
+@jit
+def collect(n_listed: int, first: np.ndarray, second: np.ndarray, spherical: bool, least: Least, pairs: Pairs) -> int:
+    """Of the columns on the list write those that are the nearest of their nearest row; return their number."""
+    of_rows, of_columns, groups, _ = least
+    n = 0
+    for i in range(n_listed):
+        j = pairs.columns[i]
+        group, nearest = groups[j], of_columns[j]
+        squared = squared_distances(points_from(first, group), point(second, j), spherical)
+        k = group + first_equal(squared, spread(nearest))
         if of_rows[k] == nearest:
             pairs.rows[n], pairs.columns[n], pairs.squared[n] = k, j, np.int32(nearest).view(np.float32)
             of_rows[k] = -1  # taken
             n += 1
     return n
-
-
-@jit
-def sweep(first: np.ndarray, n1: int, second: np.ndarray, n2: int, spherical: bool, least: Least, pairs: Pairs) -> int:
-    """Do the work of :func:`mutually_nearest` on many points in close to N log N.
-
-    A row is compared with those columns alone that are no farther along the first axis than the nearest it has seen.
-    So it sees its nearest, and each mutually nearest pair is among the candidates. A column may have nearer rows that
-    did not look as far: a candidate is a pair if no row within its distance is nearer.
-    """
-    n_slices = max(n1, n2)
-    rows, columns = sort(first, n1, n_slices), sort(second, n2, n_slices)
-    windows = np.empty((2, padded(n_slices)), np.int32)
-    compare_neighbours(rows, n1, columns, spherical, least)
-    find_windows(rows.points, n1, least.of_rows, columns.starts, windows)
-    compare_windows(rows.points, n1, columns.points, windows, spherical, least)
-    n_candidates = collect(n2, least, pairs)
-    find_windows(columns.points, n2, least.of_columns, rows.starts, windows)
-    return verify(n_candidates, rows, columns, windows, spherical, least, pairs)
-
-
-@jit
-def compare_neighbours(rows: Sorted, n1: int, columns: Sorted, spherical: bool, least: Least) -> None:
-    """Compare each row with the columns about its own slice."""
-    for k in range(0, n1, 2):
-        begin = columns.starts[rows.slices[rows.numbers[k]]] // BLOCK * BLOCK - SEEDS // 2
-        begin = min(max(begin, 0), columns.points.shape[1] - SEEDS)
-        compare(rows.points, k, columns.points, begin, begin + SEEDS, spherical, least)
-
-
-@jit
-def compare_windows(
-    rows: np.ndarray, n1: int, columns: np.ndarray, windows: np.ndarray, spherical: bool, least: Least
-) -> None:
-    """Compare each row with the columns in its window."""
-    for k in range(0, n1, 2):
-        begin, end = min(windows[0, k], windows[0, k + 1]), max(windows[1, k], windows[1, k + 1])
-        compare(rows, k, columns, begin // BLOCK * BLOCK, padded(end), spherical, least)
-
-
-@jit
-def verify(
-    n: int, rows: Sorted, columns: Sorted, windows: np.ndarray, spherical: bool, least: Least, pairs: Pairs
-) -> int:
-    """Keep of n candidates those that have no nearer row in the column's window, under their old numbers."""
-    n_pairs = 0
-    for i in range(n):
-        j = pairs.columns[i]
-        here, nearest = point(columns.points, j), least.of_columns[j]
-        for row in range(windows[0, j] // BLOCK * BLOCK, padded(windows[1, j])):
-            nearest = min(nearest, squared_distance(rows.points, np.uint64(row), here, spherical))
-        pairs.rows[n_pairs], pairs.columns[n_pairs] = rows.numbers[pairs.rows[i]], columns.numbers[j]
-        pairs.squared[n_pairs] = pairs.squared[i]
-        n_pairs += nearest == least.of_columns[j]
-    return n_pairs
-
-
-@jit
-def find_windows(points: np.ndarray, n: int, squared: np.ndarray, starts: np.ndarray, windows: np.ndarray) -> None:
-    """For each point, from where to where the sorted others can lie that are as near as its least distance."""
-    n_slices = len(starts) - 2
-    for k in range(n):
-        # A little farther, because squared distances are rounded.
-        reach = math.sqrt(np.float64(np.int32(squared[k]).view(np.float32))) * (1 + 1e-6)
-        windows[0, k] = slice_of(points[0, k] - reach, n_slices)
-        windows[1, k] = slice_of(points[0, k] + reach, n_slices)
-    for k in range(n):
-        windows[0, k], windows[1, k] = starts[windows[0, k]], starts[windows[1, k] + 1]
-    if n % 2 == 1:  # rows go in twos
-        windows[:, n] = windows[:, n - 1]
-
-
-@jit
-def slice_of(x: float, n_slices: int) -> np.int32:
-    """Number of the slice in which a coordinate lies; a greater coordinate is never in a lower one."""
-    return np.int32((x / (1 + abs(x)) + 1) * (0.4999999 * n_slices))
-
-
-@jit
-def sort(points: np.ndarray, n: int, n_slices: int) -> Sorted:
-    """Sort n points into slices."""
-    ordered, numbers = np.empty_like(points), np.empty(n, np.int32)
-    slices, starts = np.empty(n, np.int32), np.zeros(n_slices + 2, np.int32)
-    for k in range(n):
-        slices[k] = slice_of(np.float64(points[0, k]), n_slices)
-    for k in range(n):
-        starts[np.uint32(slices[k] + 2)] += 1
-    for s in range(2, n_slices + 2):
-        starts[s] += starts[s - 1]
-    # Slice s starts at starts[s + 1] for now, which moves on with every point that is placed, up to the next slice.
-    for k in range(n):
-        slice_after = np.uint32(slices[k] + 1)
-        numbers[np.uint32(starts[slice_after])] = k
-        starts[slice_after] += 1
-    for place in range(points.shape[1]):
-        number = np.uint32(numbers[min(place, n - 1)])
-        ordered[0, place], ordered[1, place], ordered[2, place] = point(points, number)
-    return Sorted(ordered, numbers, slices, starts)
