@@ -21,7 +21,7 @@ from unittest.mock import patch
 import numpy as np
 
 import mobius_match as mm
-from mobius_match import confidence, hypotheses, registration
+from mobius_match import confidence, hypotheses, registration, spreading
 from mobius_match.correspondence import write_atomically
 from mobius_match.errors import FormatError
 from mobius_match.evaluation import Case, find_dataset, summary
@@ -90,9 +90,9 @@ WITHOUT: dict[str, tuple[dict[str, Any], Patches]] = {
     },
     "choice: strain of close ones": ({}, constant(hypotheses, "CONTENDERS", 1)),
     "other starts where shapes differ": ({}, constant(hypotheses, "HARD", np.inf)),
-    "descriptors in the spread": ({}, constant(hypotheses, "DESCRIPTORS", 0.0)),
-    "transport (nearest points)": ({}, constant(hypotheses, "Transport", partial(Transport, balance=0.0))),
-    "upsampling (20 eigenfunctions alone)": ({}, constant(hypotheses, "UPSAMPLING", (20,))),
+    "descriptors in the spread": ({}, constant(spreading, "DESCRIPTORS", 0.0)),
+    "transport (nearest points)": ({}, constant(spreading, "Transport", partial(Transport, balance=0.0))),
+    "upsampling (20 eigenfunctions alone)": ({}, constant(spreading, "UPSAMPLING", (20,))),
     "registration": ({"threshold": 0.0}, not_bent),
     "registration: normals": ({}, constant(registration, "NORMAL", 0.0)),
     "registration: eigenfunctions": ({}, constant(registration, "SPECTRAL", 0.0)),

@@ -22,9 +22,10 @@ from mobius_match.dense.transfer import Carrier
 from mobius_match.figures import colours_of, draw_matches
 from mobius_match.flattening import choose_cut_face, flatten, vertex_positions
 from mobius_match.geometry.laplacian import intrinsic_mesh
-from mobius_match.hypotheses import explanations, finer_targets
+from mobius_match.hypotheses import explanations
 from mobius_match.matrix_processing import max_row_column, normalized
 from mobius_match.mobius import CANONICAL_TRIANGLE, apply, from_three_points
+from mobius_match.spreading import finer_targets
 
 GREY = "0.82"
 SQUARE = np.array([-1, 1])
@@ -135,7 +136,7 @@ def bent(result):
     source, target = result.source, result.target
     chosen = explanations(source, target, result.votes)[0]
     colours = colours_of(source.mesh.vertices[source.proxy])
-    sent = target.mesh.vertices[finer_targets(source, target, chosen, source.proxy)]
+    sent = target.mesh.vertices[finer_targets(source, target, chosen.image, source.proxy)]
     positions = chosen.registered(source, target).positions
     figure, row = plt.subplots(1, 3, figsize=(11, 4.6), layout="constrained")
     shown = (source.mesh.vertices[source.proxy], sent, positions)

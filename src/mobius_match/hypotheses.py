@@ -18,30 +18,18 @@ import numpy as np
 
 from .geometry.geodesics import nearest_centres
 from .geometry.spectral import functional_map
-from .geometry.transport import NEIGHBOUR, Transport
 from .hints import ASTRAY, Hints
 from .mobius import homogeneous
 from .preparing import each
 from .registration import Registration, is_torn, register, sketched, strain
 from .settings import MatchSettings
+from .spreading import finer_targets, plan_along, spread
 from .surface import Progress, Surface
 from .voting import Votes, cast_votes
 from .voting.groups import GROUP_RADIUS, agreed_matches, group_triplets, purest_half
 from .voting.kernel import explained_pairs
 
 badness_of = attrgetter("badness")
-
-FEATURE_SCALE = 0.3
-"""Distance per sqrt(area) over which a match has a say in the first map."""
-
-UPSAMPLING = (20, 30, 40, 50)
-"""Numbers of eigenfunctions from one refinement of the map to the next."""
-
-COARSE = 2
-"""All maps but the last are between every so many-th point of the proxies."""
-
-DESCRIPTORS = 0.4
-"""How much the descriptors of points count against their eigenfunctions, by root mean square."""
 
 HARD = 2.5
 """Badness of the best explanation above which contenders are begun in other ways too."""
@@ -97,7 +85,7 @@ class Explanation:
         """The source bent onto the target along this explanation."""
         if self.registration is not None:
             return self.registration
-        image = finer_targets(source, target, self, source.proxy)
+        image = finer_targets(source, target, self.image, source.proxy)
         # A piece that was torn off by a few wrong points beside it is better believed.
         ways = (True, False) if is_torn(source, target, image) else (True,)
         found = each(
@@ -190,21 +178,38 @@ def contested(source: Surface, target: Surface, found: list[Explanation], jobs: 
     """Explanations, best first, after those that are close have been compared once more: by how the source is bent.
 
     What is right on the whole and wrong at a limb shows when the surface is bent, which takes long; so only contenders
-    are. Their badness changes by how much worse they are bent than the first of them. The winner has been bent.
+    are. Their badness changes by how much worse they are bent than the first of them. Where some are close even then,
+    the target is bent as well, and the mean of both ways counts. The winner has been bent for good.
     """
-    rivals = [one for one in found[:CONTENDERS] if one.badness - found[0].badness <= CONTEST]
 
-    def strained(i: int, _: Progress) -> float:
-        image = target.proxy[plan_of(source, target, rivals[i]).argmax(axis=1)]
-        return strain(source, target, sketched(source, target, image, rivals[i].hints))
+    def strained(rivals: list[Explanation], backward: bool, i: int, _: Progress) -> float:
+        one, plan = rivals[i], plan_along(source, target, rivals[i].image)
+        if backward:
+            image, hints = source.proxy[plan.argmax(axis=0)], one.hints and one.hints.inverse
+            return strain(target, source, sketched(target, source, image, hints))
+        return strain(source, target, sketched(source, target, target.proxy[plan.argmax(axis=1)], one.hints))
 
-    if len(rivals) > 1:
-        strains = each(strained, len(rivals), jobs, None)
-        for i, more in enumerate(np.subtract(strains, strains[0]).tolist()):
-            evidence = rivals[i].evidence | {"strain": more}
-            rivals[i] = replace(rivals[i], evidence=evidence, badness=rivals[i].badness + more)
-    judged = sorted(rivals + found[len(rivals) :], key=badness_of)
+    judged = found
+    for backward in (False, True):
+        rivals = [one for one in judged[:CONTENDERS] if one.badness - judged[0].badness <= CONTEST]
+        if backward:
+            rivals = [one for one in rivals if "strain" in one.evidence]
+        if len(rivals) < 2:
+            break
+        strains = each(partial(strained, rivals, backward), len(rivals), jobs, None)
+        forward = np.array([one.evidence.get("strain", 0.0) for one in rivals])
+        worse = np.subtract(strains, strains[0])
+        more = (worse - (forward - forward[0])) / 2 if backward else worse
+        judged = sorted(
+            [*map(_worsened, rivals, more.tolist()), *(one for one in judged if one not in rivals)], key=badness_of
+        )
     return [replace(one, registration=one.registered(source, target, jobs)) for one in judged[:1]] + judged[1:]
+
+
+def _worsened(one: Explanation, more: float) -> Explanation:
+    """The explanation with more strain."""
+    evidence = one.evidence | {"strain": one.evidence.get("strain", 0.0) + more}
+    return replace(one, evidence=evidence, badness=one.badness + more)
 
 
 def doubts(found: list[Explanation]) -> list[str]:
@@ -218,49 +223,6 @@ def doubts(found: list[Explanation]) -> list[str]:
         f"another explanation of the two shapes is nearly as good (it lost by {margin:.2f}; below {CLOSE} is close): "
         "look at the matches, and at the alternatives"
     ]
-
-
-def spread(source: Surface, target: Surface, matches: np.ndarray, hints: Hints | None = None) -> np.ndarray:
-    """A map of the whole proxy from matches of samples (q, 2) and hints.
-
-    Returns
-    -------
-    numpy.ndarray
-        (P1, P2) float32: which part of each point of the source's proxy goes where in the target's; rows sum to 1.
-    """
-    features = []
-    for side, surface in enumerate((source, target)):
-        apart = surface.proxy_distances[matches[:, side]]
-        if hints is not None:
-            apart = np.concatenate([apart, hints.distances[side][:, surface.proxy]])
-        features.append(np.exp(-apart.T[::COARSE] / (FEATURE_SCALE * np.sqrt(surface.area))))
-    plan = Transport(features[0], features[1], neighbour=NEIGHBOUR // COARSE).plan
-    first, second = (surface.eigenfunctions[surface.proxy] for surface in (source, target))
-    for count in UPSAMPLING:
-        # Each point is sent to the mean of the places that its mass goes to.
-        transfer = functional_map(first[::COARSE, :count], plan @ second[::COARSE, :count])
-        step = 1 if count == UPSAMPLING[-1] else COARSE
-        plan = _transport(source, target, first[:, :count] @ transfer, second[:, :count], step).plan
-    return plan
-
-
-def _transport(source: Surface, target: Surface, first: np.ndarray, second: np.ndarray, step: int = 1) -> Transport:
-    """Between the proxies, or every so many-th of their points, by eigenfunctions and descriptors.
-
-    The eigenfunctions, (P1, k) and (P2, k), have been brought together.
-    """
-    here, there = source.proxy[::step], target.proxy[::step]
-    return Transport(
-        _described(source, here, first[::step], second),
-        _described(target, there, second[::step], second),
-        neighbour=NEIGHBOUR // step,
-    )
-
-
-def _described(surface: Surface, vertices: np.ndarray, functions: np.ndarray, of_proxy: np.ndarray) -> np.ndarray:
-    """Eigenfunctions (q, k) and descriptors of vertices (q,), at a ratio that the target's proxy (P2, k) tells."""
-    scale = DESCRIPTORS * np.sqrt(np.einsum("ij,ij->", of_proxy, of_proxy) / len(of_proxy))
-    return np.hstack([functions, scale * surface.descriptors[vertices]])
 
 
 def compare(source: Surface, target: Surface, image: np.ndarray) -> dict[str, float]:
@@ -296,24 +258,3 @@ def rank_correlation(first: np.ndarray, second: np.ndarray) -> float:
         return 0.0
     ranks1, ranks2 = (np.argsort(np.argsort(values, kind="stable")) for values in (first, second))
     return float(np.corrcoef(ranks1, ranks2)[0, 1])
-
-
-def finer_targets(source: Surface, target: Surface, explanation: Explanation, vertices: np.ndarray) -> np.ndarray:
-    """Where an explanation sends vertices of the source, no longer bound to samples: target vertices (q,) int64."""
-    first, second = _brought_together(source, target, explanation)
-    of_proxy, everywhere = second[target.proxy], np.arange(len(second))
-    return _transport(source, target, first[source.proxy], of_proxy).images(
-        _described(source, vertices, first[vertices], of_proxy), _described(target, everywhere, second, of_proxy)
-    )
-
-
-def plan_of(source: Surface, target: Surface, explanation: Explanation) -> np.ndarray:
-    """Which part of each point of the source's proxy an explanation sends where in the target's, (P1, P2)."""
-    first, second = _brought_together(source, target, explanation)
-    return _transport(source, target, first[source.proxy], second[target.proxy]).plan
-
-
-def _brought_together(source: Surface, target: Surface, explanation: Explanation) -> tuple[np.ndarray, np.ndarray]:
-    """Eigenfunctions (n1, k) of the source, as an explanation sees them on the target, and the target's (n2, k)."""
-    transfer = functional_map(source.eigenfunctions[source.proxy], target.eigenfunctions[explanation.image])
-    return source.eigenfunctions @ transfer, target.eigenfunctions

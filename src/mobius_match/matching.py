@@ -14,13 +14,14 @@ from .correspondence import Alternative, Correspondence
 from .errors import NothingFoundError, SettingsError
 from .geometry.points import SurfacePoints, closest_points
 from .hints import Hints, given_first, hints_of, through
-from .hypotheses import Explanation, contested, doubts, heeding, spread
+from .hypotheses import Explanation, contested, doubts, heeding
 from .matrix_processing import linear_assignment, max_row_column, normalized, recover
 from .partial import DISTRUST, LACKING, PartPlaces, lacking, part_places
 from .placing import OPEN, openness
 from .preparing import each, finished, opened
 from .settings import MatchSettings, make_settings
 from .software import software
+from .spreading import spread
 from .surface import Progress, Surface
 from .voting import Votes, cast_votes
 from .voting.groups import TRUSTED

@@ -79,6 +79,20 @@ def test_another_pose_is_mapped_as_it_is_known_to_be():
     assert isometric_distance(found) == pytest.approx(isometric_distance(found.inverse))
 
 
+def test_the_slimmer_surface_is_bent_onto_the_other():
+    """The person with legs of half their length, to the person: its feet are not drawn over the shins."""
+    long = mm.prepare(examples.paths("person")[0])
+    vertices, faces = long.mesh.vertices.copy(), long.mesh.faces
+    up = np.ptp(vertices, axis=0).argmax()
+    hip = vertices[:, up].min() + 0.45 * np.ptp(vertices[:, up])
+    vertices[:, up] = np.where(vertices[:, up] < hip, (vertices[:, up] + hip) / 2, vertices[:, up])
+    short = mm.prepare((vertices, faces))
+    found = mm.match(short, long, seed=0, jobs=1).dense()
+    assert np.linalg.norm(found.positions - long.mesh.vertices, axis=1).mean() < 0.03 * np.sqrt(long.area)
+    back = mm.match(long, short, seed=0, jobs=1).dense().inverse
+    assert np.linalg.norm(back.positions - long.mesh.vertices, axis=1).mean() < 0.03 * np.sqrt(long.area)
+
+
 def test_edges_are_given_once():
     np.testing.assert_array_equal(edges_of(np.array([[2, 0, 1], [1, 3, 2]])), [[0, 1], [0, 2], [1, 2], [1, 3], [2, 3]])
 

@@ -15,9 +15,10 @@ from scipy.spatial import cKDTree
 from ..geometry.nearest import Leaves, nearest_rows, together
 from ..geometry.points import SurfacePoints, closest_points
 from ..geometry.spectral import functional_map
-from ..hypotheses import Explanation, misgivings, plan_of
+from ..hypotheses import Explanation, misgivings
 from ..mesh.topology import edge_table
 from ..registration import Body, Registration, vertex_normals
+from ..spreading import plan_along
 from ..surface import Surface
 from .surface_map import SurfaceMap
 
@@ -53,7 +54,7 @@ def map_along(source: Surface, target: Surface, explanation: Explanation) -> Sur
     slimness, other = (surface.normalized_distances.mean() for surface in (source, target))
     if other <= SLIMMER * slimness:
         return dense_map(source, target, settled(source, target, explanation))
-    image = source.proxy[plan_of(source, target, explanation).argmax(axis=0)]
+    image = source.proxy[plan_along(source, target, explanation.image).argmax(axis=0)]
     hints = explanation.hints and explanation.hints.inverse
     turned_round = replace(explanation, image=image, registration=None, hints=hints)
     return dense_map(target, source, settled(target, source, turned_round)).inverse
