@@ -178,38 +178,21 @@ def contested(source: Surface, target: Surface, found: list[Explanation], jobs: 
     """Explanations, best first, after those that are close have been compared once more: by how the source is bent.
 
     What is right on the whole and wrong at a limb shows when the surface is bent, which takes long; so only contenders
-    are. Their badness changes by how much worse they are bent than the first of them. Where some are close even then,
-    the target is bent as well, and the mean of both ways counts. The winner has been bent for good.
+    are. Their badness changes by how much worse they are bent than the first of them. The winner has been bent.
     """
+    rivals = [one for one in found[:CONTENDERS] if one.badness - found[0].badness <= CONTEST]
 
-    def strained(rivals: list[Explanation], backward: bool, i: int, _: Progress) -> float:
-        one, plan = rivals[i], plan_along(source, target, rivals[i].image)
-        if backward:
-            image, hints = source.proxy[plan.argmax(axis=0)], one.hints and one.hints.inverse
-            return strain(target, source, sketched(target, source, image, hints))
-        return strain(source, target, sketched(source, target, target.proxy[plan.argmax(axis=1)], one.hints))
+    def strained(i: int, _: Progress) -> float:
+        image = target.proxy[plan_along(source, target, rivals[i].image).argmax(axis=1)]
+        return strain(source, target, sketched(source, target, image, rivals[i].hints))
 
-    judged = found
-    for backward in (False, True):
-        rivals = [one for one in judged[:CONTENDERS] if one.badness - judged[0].badness <= CONTEST]
-        if backward:
-            rivals = [one for one in rivals if "strain" in one.evidence]
-        if len(rivals) < 2:
-            break
-        strains = each(partial(strained, rivals, backward), len(rivals), jobs, None)
-        forward = np.array([one.evidence.get("strain", 0.0) for one in rivals])
-        worse = np.subtract(strains, strains[0])
-        more = (worse - (forward - forward[0])) / 2 if backward else worse
-        judged = sorted(
-            [*map(_worsened, rivals, more.tolist()), *(one for one in judged if one not in rivals)], key=badness_of
-        )
+    if len(rivals) > 1:
+        strains = each(strained, len(rivals), jobs, None)
+        for i, more in enumerate(np.subtract(strains, strains[0]).tolist()):
+            evidence = rivals[i].evidence | {"strain": more}
+            rivals[i] = replace(rivals[i], evidence=evidence, badness=rivals[i].badness + more)
+    judged = sorted(rivals + found[len(rivals) :], key=badness_of)
     return [replace(one, registration=one.registered(source, target, jobs)) for one in judged[:1]] + judged[1:]
-
-
-def _worsened(one: Explanation, more: float) -> Explanation:
-    """The explanation with more strain."""
-    evidence = one.evidence | {"strain": one.evidence.get("strain", 0.0) + more}
-    return replace(one, evidence=evidence, badness=one.badness + more)
 
 
 def doubts(found: list[Explanation]) -> list[str]:
