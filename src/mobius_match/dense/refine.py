@@ -22,13 +22,13 @@ from ..spreading import plan_along
 from ..surface import Surface
 from .surface_map import SurfaceMap
 
-TRUST = (0.1, 0.3, 1.0)
+TRUST = (0.1, 0.3, 0.6, 1.2)
 """Weight of the places against rigidity, from one round to the next."""
 
 ROUNDS, STEPS = 4, 4
 """Searches for the nearest points at each weight, and alternations of turning and moving after each."""
 
-NORMAL, SPECTRAL = 0.04, 0.005
+NORMAL, SPECTRAL = 0.04, 0.003
 """How much normals and eigenfunctions count in the nearest point, against places per sqrt(area)."""
 
 BESIDE = 0.03
