@@ -37,6 +37,10 @@ HARD = 2.5
 COMPARED = 20
 """Number of eigenfunctions on which maps are compared with the Laplacian."""
 
+AGAIN, LAST, TOGETHER = 5, 4, 0.05
+"""How often the proxy is bent again, over how many of the last its positions are averaged, and how far from the best,
+per sqrt(area), one counts."""
+
 WEIGHTS = {
     "distances": 5.0,
     "laplacian": 3.0,
@@ -98,6 +102,23 @@ def misgivings(source: Surface, target: Surface, registration: Registration) -> 
     """What speaks against the source bent in one way, to be compared with another: its strain, and what maps tell."""
     place = nearest_centres(target.mesh.vertices, target.mesh.faces, target.proxy)
     return strain(source, target, registration) + weighted(compare(source, target, place[registration.image]))
+
+
+def settled(source: Surface, target: Surface, explanation: Explanation) -> Registration:
+    """The source's proxy bent along an explanation again and again, each time from where it had come to lie.
+
+    A map that began badly gets better so, and what a single one is off along a limb averages out. Where shapes differ,
+    the winner of a contest has settled already.
+    """
+    if explanation.badness > HARD and explanation.registration is not None:
+        return explanation.registration
+    found = [explanation.registered(source, target)]
+    for _ in range(AGAIN):
+        found.append(replace(explanation, image=found[-1].image, registration=None).registered(source, target))
+    best = min(found, key=partial(misgivings, source, target))
+    places = np.stack([best.positions, *(one.positions for one in found[-LAST:])])
+    near = np.linalg.norm(places - best.positions, axis=2) <= TOGETHER * np.sqrt(target.area)
+    return replace(best, positions=np.einsum("kp,kpd->pd", near, places) / near.sum(axis=0)[:, None])
 
 
 def explanations(
@@ -178,7 +199,8 @@ def contested(source: Surface, target: Surface, found: list[Explanation], jobs: 
     """Explanations, best first, after those that are close have been compared once more: by how the source is bent.
 
     What is right on the whole and wrong at a limb shows when the surface is bent, which takes long; so only contenders
-    are. Their badness changes by how much worse they are bent than the first of them. The winner has been bent.
+    are. Their badness changes by how much worse they are bent than the first of them. The winner has been bent, where
+    shapes differ until it settled.
     """
     rivals = [one for one in found[:CONTENDERS] if one.badness - found[0].badness <= CONTEST]
 
@@ -192,7 +214,12 @@ def contested(source: Surface, target: Surface, found: list[Explanation], jobs: 
             evidence = rivals[i].evidence | {"strain": more}
             rivals[i] = replace(rivals[i], evidence=evidence, badness=rivals[i].badness + more)
     judged = sorted(rivals + found[len(rivals) :], key=badness_of)
-    return [replace(one, registration=one.registered(source, target, jobs)) for one in judged[:1]] + judged[1:]
+    if not judged:
+        return []
+    winner = judged[0]
+    differ = winner.badness > HARD
+    registration = settled(source, target, winner) if differ else winner.registered(source, target, jobs)
+    return [replace(winner, registration=registration), *judged[1:]]
 
 
 def doubts(found: list[Explanation]) -> list[str]:

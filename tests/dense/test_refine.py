@@ -6,8 +6,8 @@ import pytest
 import mobius_match as mm
 from mobius_match import examples
 from mobius_match.dense.quality import isometric_distance, quality
-from mobius_match.dense.refine import dense_map, edges_of, settled
-from mobius_match.hypotheses import Explanation
+from mobius_match.dense.refine import dense_map, edges_of
+from mobius_match.hypotheses import Explanation, settled
 from mobius_match.registration import register
 from tests.shapes import lump, rotation
 

@@ -7,7 +7,6 @@ once more with all vertices, from where the proxy carries them.
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import partial
 
 import numpy as np
 from scipy.spatial import cKDTree
@@ -15,7 +14,7 @@ from scipy.spatial import cKDTree
 from ..geometry.nearest import Leaves, nearest_rows, together
 from ..geometry.points import SurfacePoints, closest_points
 from ..geometry.spectral import functional_map
-from ..hypotheses import Explanation, misgivings
+from ..hypotheses import Explanation, settled
 from ..mesh.topology import edge_table
 from ..registration import Body, Registration, vertex_normals
 from ..spreading import plan_along
@@ -33,10 +32,6 @@ NORMAL, SPECTRAL = 0.04, 0.003
 
 BESIDE = 0.03
 """Distance per sqrt(area) from a bent part up to which a point of the whole belongs to it."""
-
-AGAIN, LAST, ASTRAY = 5, 4, 0.05
-"""How often the proxy is bent again, over how many of the last its positions are averaged, and how far from the best,
-per sqrt(area), one counts."""
 
 SLIMMER = 1.05
 """How many times longer, per sqrt(area), distances on the target are on the whole where it is the one that is bent."""
@@ -81,20 +76,6 @@ def dense_map(source: Surface, target: Surface, registration: Registration, *, w
         found = found[0], (apart <= BESIDE) & ~_at_rim(back, mesh1.faces)
     simple = SurfaceMap(mesh1, mesh2, points, back, *found)
     return simple if source.detail is None and target.detail is None else _in_detail(source, target, simple)
-
-
-def settled(source: Surface, target: Surface, explanation: Explanation) -> Registration:
-    """The source's proxy bent along an explanation again and again, each time from where it had come to lie.
-
-    A map that began badly gets better so, and what a single one is off along a limb averages out.
-    """
-    found = [explanation.registered(source, target)]
-    for _ in range(AGAIN):
-        found.append(replace(explanation, image=found[-1].image, registration=None).registered(source, target))
-    best = min(found, key=partial(misgivings, source, target))
-    places = np.stack([best.positions, *(one.positions for one in found[-LAST:])])
-    near = np.linalg.norm(places - best.positions, axis=2) <= ASTRAY * np.sqrt(target.area)
-    return replace(best, positions=np.einsum("kp,kpd->pd", near, places) / near.sum(axis=0)[:, None])
 
 
 def _in_detail(source: Surface, target: Surface, simple: SurfaceMap) -> SurfaceMap:
