@@ -1,16 +1,20 @@
 """Explanations: grouping by hand, the identity's perfect score, and the choice on a nearly symmetric shape."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 import mobius_match as mm
 from mobius_match import examples
 from mobius_match.hypotheses import (
+    HARD,
     WEIGHTS,
     Explanation,
     compare,
     contested,
     explanations,
+    settled,
 )
 from mobius_match.settings import MatchSettings
 from mobius_match.spreading import finer_targets, spread
@@ -83,6 +87,29 @@ def test_person_is_not_turned_round(seed):
     height = np.ptp(target.vertices, axis=0).max()
     error = np.linalg.norm(target.vertices[result.pairs[:, 1]] - truth[result.pairs[:, 0]], axis=1) / height
     assert np.mean(error < 0.05) > 0.95
+
+
+def test_a_map_that_began_badly_settles_nearer_to_the_truth(surface):
+    """Every vertex of the proxy sent to another one within a fifth of sqrt(area)."""
+    generator = np.random.default_rng(0)
+    places, scale = surface.mesh.vertices[surface.proxy], np.sqrt(surface.area)
+    image = np.array(
+        [
+            generator.choice(np.flatnonzero(np.linalg.norm(surface.mesh.vertices - p, axis=1) < 0.2 * scale))
+            for p in places
+        ]
+    )
+    explanation = Explanation(image, {}, 0.0, 1.0)
+    once, at_last = explanation.registered(surface, surface), settled(surface, surface, explanation)
+
+    def error(registration):
+        return np.linalg.norm(registration.positions - places, axis=1).mean() / scale
+
+    assert error(at_last) < 0.8 * error(once)
+    assert error(at_last) < 0.02
+    differing = contested(surface, surface, [replace(explanation, badness=HARD + 1)])[0]
+    np.testing.assert_array_equal(differing.registration.positions, at_last.positions)
+    assert settled(surface, surface, differing) is differing.registration
 
 
 def test_uniform_votes_have_no_explanations():
