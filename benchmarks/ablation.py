@@ -89,7 +89,7 @@ WITHOUT: dict[str, tuple[dict[str, Any], Patches]] = {
         if kind != "landmarks"
     },
     "choice: strain of close ones": ({}, constant(hypotheses, "CONTENDERS", 1)),
-    "other starts where shapes differ": ({}, constant(hypotheses, "HARD", np.inf)),
+    "other starts, and settling, where shapes differ": ({}, constant(hypotheses, "HARD", np.inf)),
     "descriptors in the spread": ({}, constant(spreading, "DESCRIPTORS", 0.0)),
     "transport (nearest points)": ({}, constant(spreading, "Transport", partial(Transport, balance=0.0))),
     "upsampling (20 eigenfunctions alone)": ({}, constant(spreading, "UPSAMPLING", (20,))),

@@ -32,7 +32,8 @@ from .voting.kernel import explained_pairs
 badness_of = attrgetter("badness")
 
 HARD = 2.5
-"""Badness of the best explanation above which contenders are begun in other ways too."""
+"""Badness of the best explanation above which contenders are begun in other ways too, and the winner is bent until it
+settles."""
 
 COMPARED = 20
 """Number of eigenfunctions on which maps are compared with the Laplacian."""
