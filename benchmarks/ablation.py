@@ -97,6 +97,7 @@ WITHOUT: dict[str, tuple[dict[str, Any], Patches]] = {
     "registration: normals": ({}, constant(registration, "NORMAL", 0.0)),
     "registration: eigenfunctions": ({}, constant(registration, "SPECTRAL", 0.0)),
     "registration: descriptors": ({}, constant(registration, "DESCRIPTOR", 0.0)),
+    "registration: curvatures": ({}, constant(registration, "RELIEF", 0.0)),
     "registration: torn pieces set free": ({}, constant(registration, "TEAR", np.inf)),
     "registration: rising trust (the first alone)": ({}, constant(registration, "TRUST", registration.TRUST[:2])),
     "confidence (all alike)": (

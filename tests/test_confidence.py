@@ -16,28 +16,27 @@ from tests.shapes import lump
 @pytest.fixture(scope="module")
 def copy():
     surface = mm.prepare(lump(4))
-    return surface, register(surface, surface, surface.proxy), np.eye(100)
+    return surface, register(surface, surface, surface.proxy)
 
 
 def test_a_copy_has_nothing_against_it(copy):
-    surface, registration, votes = copy
+    surface, registration = copy
     distances = distances_of_places(surface, surface, registration)
     np.testing.assert_allclose(distances, surface.distances, atol=0.02 * surface.diameter)
-    found = evidence(surface, surface, registration, votes, distances)
+    found = evidence(surface, surface, registration, distances)
     for kind in ("distances", "misfit", "stretch"):
         assert found[kind].max() < 0.015, kind
-    np.testing.assert_allclose(found["votes"], 1, atol=0.1)
-    assert chances(surface, surface, registration, votes, distances).min() > 0.98
+    assert chances(surface, surface, registration, distances).min() > 0.98
 
 
 def test_a_wrong_place_is_doubted_and_the_others_are_not(copy):
-    surface, registration, votes = copy
+    surface, registration = copy
     sample = 20
     here = int(np.searchsorted(surface.proxy, surface.samples[sample]))
     image = registration.image.copy()
     image[here] = surface.samples[np.argmax(surface.distances[sample])]
     wrong = replace(registration, image=image)
-    found = chances(surface, surface, wrong, votes, distances_of_places(surface, surface, wrong))
+    found = chances(surface, surface, wrong, distances_of_places(surface, surface, wrong))
     assert np.argmin(found) == sample
     assert np.median(found) > 0.95
 

@@ -60,7 +60,7 @@ def test_an_interruption_ends_the_other_threads():
 
 def test_threads_change_no_bit():
     first, second = (mm.match(lump(3), tube(), samples=30, jobs=jobs, threshold=0.0) for jobs in (1, 2))
-    for name in ("positions", "distances", "eigenfunctions", "proxy_curvatures"):
+    for name in ("positions", "distances", "eigenfunctions", "curvatures"):
         for side in ("source", "target"):
             np.testing.assert_array_equal(getattr(getattr(first, side), name), getattr(getattr(second, side), name))
     np.testing.assert_array_equal(first.confidence, second.confidence)

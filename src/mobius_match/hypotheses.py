@@ -16,6 +16,7 @@ from operator import attrgetter
 
 import numpy as np
 
+from .geometry.curvature import rank_correlation
 from .geometry.geodesics import nearest_centres
 from .geometry.spectral import functional_map
 from .hints import ASTRAY, Hints
@@ -75,6 +76,8 @@ class Explanation:
         The part of the best triplets that tell this explanation.
     registration
         The source bent along it, if that has been done.
+    is_settled
+        Whether the registration is where :func:`settled` leads.
     hints
         Pairs that are known, for bending.
     """
@@ -84,6 +87,7 @@ class Explanation:
     badness: float
     share: float
     registration: Registration | None = None
+    is_settled: bool = False
     hints: Hints | None = None
 
     def registered(self, source: Surface, target: Surface, jobs: int | None = 1) -> Registration:
@@ -108,12 +112,11 @@ def misgivings(source: Surface, target: Surface, registration: Registration) -> 
 def settled(source: Surface, target: Surface, explanation: Explanation) -> Registration:
     """The source's proxy bent along an explanation again and again, each time from where it had come to lie.
 
-    A map that began badly gets better so, and what a single one is off along a limb averages out. Where shapes differ,
-    the winner of a contest has settled already.
+    A map that began badly gets better so, and what a single one is off along a limb averages out.
     """
-    if explanation.badness > HARD and explanation.registration is not None:
-        return explanation.registration
     found = [explanation.registered(source, target)]
+    if explanation.is_settled:
+        return found[0]
     for _ in range(AGAIN):
         found.append(replace(explanation, image=found[-1].image, registration=None).registered(source, target))
     best = min(found, key=partial(misgivings, source, target))
@@ -217,10 +220,9 @@ def contested(source: Surface, target: Surface, found: list[Explanation], jobs: 
     judged = sorted(rivals + found[len(rivals) :], key=badness_of)
     if not judged:
         return []
-    winner = judged[0]
-    differ = winner.badness > HARD
+    winner, differ = judged[0], found[0].badness > HARD
     registration = settled(source, target, winner) if differ else winner.registered(source, target, jobs)
-    return [replace(winner, registration=registration), *judged[1:]]
+    return [replace(winner, registration=registration, is_settled=differ), *judged[1:]]
 
 
 def doubts(found: list[Explanation]) -> list[str]:
@@ -245,8 +247,8 @@ def compare(source: Surface, target: Surface, image: np.ndarray) -> dict[str, fl
     transfer = functional_map(first, second[image])
     low, high = source.eigenvalues[: transfer.shape[0]], target.eigenvalues[: transfer.shape[1]]
     gauss, mean = (
-        1 - rank_correlation(of_source, of_target[image])
-        for of_source, of_target in zip(source.proxy_curvatures, target.proxy_curvatures, strict=True)
+        1 - rank_correlation(source.curvatures[row, source.proxy], target.curvatures[row, target.proxy[image]])
+        for row in (0, 2)
     )
     return {
         "distances": float(np.abs(np.log((mine + 0.1) / (theirs[landing][:, image] + 0.1))).mean()),
@@ -261,11 +263,3 @@ def compare(source: Surface, target: Surface, image: np.ndarray) -> dict[str, fl
 def weighted(evidence: dict[str, float]) -> float:
     """The weighted sum of evidence: how bad an explanation is."""
     return sum(WEIGHTS[kind] * value for kind, value in evidence.items())
-
-
-def rank_correlation(first: np.ndarray, second: np.ndarray) -> float:
-    """Spearman's, ties in order; 0 where one of the two does not vary. (Importing scipy.stats takes half a second.)"""
-    if np.ptp(first) == 0 or np.ptp(second) == 0:
-        return 0.0
-    ranks1, ranks2 = (np.argsort(np.argsort(values, kind="stable")) for values in (first, second))
-    return float(np.corrcoef(ranks1, ranks2)[0, 1])

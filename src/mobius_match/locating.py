@@ -9,11 +9,10 @@ from functools import cached_property
 
 import numpy as np
 
-from .geometry.curvature import curvatures
+from .geometry.curvature import curvatures, rank_correlation
 from .geometry.directions import directions
 from .geometry.geodesics import nearest_centres
 from .hints import Hints
-from .hypotheses import rank_correlation
 from .registration import ROUNDS, TIGHT, Registration, register, stretching, vertex_normals
 from .surface import Surface
 from .voting.agreement import Paths, agreement, as_far, differences

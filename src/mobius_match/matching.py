@@ -196,7 +196,7 @@ def _explained(
     """
     registration = explanation.registered(source, target)
     distances = distances_of_places(source, target, registration)
-    chance = trust * chances(source, target, registration, votes.matrix, distances)
+    chance = trust * chances(source, target, registration, distances)
     samples = np.searchsorted(source.proxy, source.samples)
     scale = np.sqrt(target.area)
     points = closest_points(

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import scipy
+import scipy.sparse as sp
 
-from .confidence import interpolated, neighbour_means, stretched
+from .confidence import interpolated, stretched
 from .geometry.nearest import nearest_rows
 from .geometry.points import SurfacePoints, closest_points
 from .locating import Pair, Place
@@ -49,6 +50,14 @@ def evidence(pair: Pair, place: Place) -> dict[str, np.ndarray]:
         "badness": np.full(len(unlike), place.badness),
         "cut": to_rim(part, part.mesh.vertices[part.proxy]) / np.sqrt(part.area),
     }
+
+
+def neighbour_means(surface: Surface) -> sp.csr_matrix:
+    """Takes values at the proxy to their means over each vertex's neighbours."""
+    start, end = np.concatenate([surface.proxy_edges, surface.proxy_edges[:, ::-1]]).T
+    size = len(surface.proxy)
+    number = np.maximum(np.bincount(start, minlength=size), 1)
+    return sp.csr_matrix((1 / number[start], (start, end)), shape=(size, size))
 
 
 def to_rim(surface: Surface, points: np.ndarray) -> np.ndarray:

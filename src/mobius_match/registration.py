@@ -37,8 +37,9 @@ ROUNDS = 3
 SETTLING, STEPS = 12, 2
 """Alternations of turning and moving at first, and after each search."""
 
-NORMAL, SPECTRAL, DESCRIPTOR = 0.15, 0.02, 0.07
-"""How much normals, eigenfunctions and descriptors count in the nearest point, against places per sqrt(area)."""
+NORMAL, SPECTRAL, DESCRIPTOR, RELIEF = 0.15, 0.02, 0.07, 0.05
+"""How much normals, eigenfunctions, descriptors and curvatures count in the nearest point, against places per
+sqrt(area)."""
 
 STRAIN, LITTLE = {"stretch": 16.0, "turn": 2.0}, {"stretch": 0.01, "turn": 0.001}
 """What the logarithm of each kind of strain counts, and how much of it is as good as none."""
@@ -90,6 +91,7 @@ def register(
     rounds: int = ROUNDS,
     freeing: bool = True,
     trusts: tuple[float, ...] | None = None,
+    relief: bool = True,
     hints: Hints | None = None,
 ) -> Registration:
     """Bend the source onto the target.
@@ -101,13 +103,15 @@ def register(
     image
         (P1,) int64: target vertex of each vertex of the source's proxy, to begin with.
     whole
-        Whether the source covers the target. If not, eigenfunctions do not count, and the target does not draw.
+        Whether the source covers the target. If not, only places and normals count, and the target does not draw.
     rounds
         How often the nearest points are looked for at each weight.
     freeing
         Whether pieces that the map tears off are set free at first, to follow the body.
     trusts
         Weights of the places against rigidity, from one round to the next; None for :data:`TRUST`.
+    relief
+        Whether curvatures count.
     hints
         Pairs that are known: the source is pinned there.
     """
@@ -119,8 +123,11 @@ def register(
     drawers, shared = (target.proxy, target.eigenfunctions.shape[1]) if whole else (target.proxy[:0], 0)
     spectral1 = source.eigenfunctions[source.proxy].astype(np.float64)[:, :shared]
     spectral2 = target.eigenfunctions[:, :shared]
+    seen1, seen2 = (
+        np.hstack([DESCRIPTOR * whole * one.descriptors, RELIEF * (whole and relief) * one.relief])
+        for one in (source, target)
+    )
     some = _candidates(target)
-    seen1, seen2 = source.descriptors[source.proxy][:, :shared], target.descriptors[:, :shared]
     goals = _features(there[some], normals2[some], spectral2[some], seen2[some])
     among, drawing = Leaves(goals), goals[np.searchsorted(some, drawers)]
     beside = together(here[source.proxy])
@@ -134,7 +141,7 @@ def register(
         for _ in range(rounds):
             transfer = functional_map(spectral1[held], spectral2[image[held]])
             turned = np.einsum("ni,nij->nj", normals1, turns)
-            seekers = _features(positions, turned, spectral1 @ transfer, seen1)
+            seekers = _features(positions, turned, spectral1 @ transfer, seen1[source.proxy])
             image = some[among.nearest(seekers)]
             drawn = Leaves(seekers, beside).nearest(drawing)
             number = 1 + np.bincount(drawn, minlength=len(image))
@@ -153,8 +160,11 @@ def register(
 
 
 def sketched(source: Surface, target: Surface, image: np.ndarray, hints: Hints | None = None) -> Registration:
-    """:func:`register` in a fraction of the time: good enough to see which of several images is right."""
-    return register(source, target, image, rounds=1, trusts=TIGHT, hints=hints)
+    """:func:`register` in a fraction of the time: good enough to see which of several images is right.
+
+    Curvatures would pull a wrong one into shape as well.
+    """
+    return register(source, target, image, rounds=1, trusts=TIGHT, relief=False, hints=hints)
 
 
 def is_torn(source: Surface, target: Surface, image: np.ndarray) -> bool:
@@ -183,7 +193,7 @@ def strain(source: Surface, target: Surface, registration: Registration) -> floa
 
 def _features(places: np.ndarray, normals: np.ndarray, spectral: np.ndarray, seen: np.ndarray) -> np.ndarray:
     """What points are compared by, (p, 6 + k + d); single precision halves the time of the search."""
-    return np.hstack([places, NORMAL * normals, SPECTRAL * spectral, DESCRIPTOR * seen]).astype(np.float32)
+    return np.hstack([places, NORMAL * normals, SPECTRAL * spectral, seen]).astype(np.float32)
 
 
 class Body:

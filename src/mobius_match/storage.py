@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 ENDING = ".npz"
 FORMAT = "mobius-match/surface"
-VERSION = 3
+VERSION = 4
 """To be raised whenever other numbers come out of the preparation, or go into the file."""
 
 

@@ -29,8 +29,12 @@ Progress = Callable[[str, int, int], None]
 
 EIGENFUNCTIONS = 50
 PROXY_SIZE = 1200
-GAUSS_RADIUS, MEAN_RADIUS = 0.035, 0.1
-"""Widths that the curvatures which tell explanations apart are smoothed to, per sqrt(area)."""
+RADIUS, WIDE_RADIUS = 0.035, 0.1
+"""Widths that curvatures are smoothed to, per sqrt(area)."""
+
+RELIEF, FLAT = 2.0, 1.0
+"""What curvatures, in standard deviations, are multiplied by before asinh presses the great ones together, and the
+standard deviation that they are taken to have at least: a sphere has none."""
 
 LEVELS = slice(4, None, 8)
 """Levels of the 100 of the wave kernel signature that all vertices are described by."""
@@ -75,8 +79,8 @@ class Surface:
         (E, 2) int64 places in ``proxy`` of vertices whose cells touch.
     proxy_distances
         (N, P) float32 geodesic distances from the samples to the proxy's vertices, in the units of the mesh.
-    proxy_curvatures
-        (2, P) float32 Gauss and mean curvature there, smoothed and free of scale.
+    curvatures
+        (3, n) float32 Gauss curvature, mean curvature, and mean curvature smoothed more widely, free of scale.
     cut_vertex
         Vertex of least average geodesic distance, at which the flattening is cut.
     closure
@@ -103,7 +107,7 @@ class Surface:
     proxy: np.ndarray
     proxy_edges: np.ndarray
     proxy_distances: np.ndarray
-    proxy_curvatures: np.ndarray
+    curvatures: np.ndarray
     cut_vertex: int
     closure: float
     area: float
@@ -151,6 +155,12 @@ class Surface:
         spread = np.maximum(found[self.proxy].std(axis=0), LEAST_SPREAD)
         found = (found - found[self.proxy].mean(axis=0)) / spread
         return np.asarray(found / np.sqrt(found.shape[1]), np.float32)
+
+    @cached_property
+    def relief(self) -> np.ndarray:
+        """Gauss and mean curvature (n, 2) float32 of all vertices, for comparison: from the median, about 1 in size."""
+        median, spread = (f(self.curvatures[:2, self.proxy], axis=1) for f in (np.median, np.std))
+        return np.arcsinh(RELIEF * (self.curvatures[:2].T - median) / np.maximum(spread, FLAT))
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write the surface to a file (numpy's .npz); an existing one is replaced at once or not at all."""
@@ -234,8 +244,9 @@ def _prepare(mesh: Mesh, settings: PrepareSettings, progress: Progress) -> Surfa
     signatures = wave_kernel_signature(eigenvalues, eigenfunctions[samples.vertices])
     curvatures = np.stack(
         [
-            gauss_curvature(triangulation, GAUSS_RADIUS),
-            mean_curvature(triangulation, vertices, mesh.faces, MEAN_RADIUS),
+            gauss_curvature(triangulation, RADIUS),
+            mean_curvature(triangulation, vertices, mesh.faces, RADIUS),
+            mean_curvature(triangulation, vertices, mesh.faces, WIDE_RADIUS),
         ]
     )
     proxy = proxy_points(areas, PROXY_SIZE, samples.vertices)
@@ -258,7 +269,7 @@ def _prepare(mesh: Mesh, settings: PrepareSettings, progress: Progress) -> Surfa
         proxy=proxy,
         proxy_edges=np.unique(touching[touching[:, 0] < touching[:, 1]], axis=0),
         proxy_distances=(samples.distances[:, proxy] * scale).astype(np.float32),
-        proxy_curvatures=curvatures[:, proxy].astype(np.float32),
+        curvatures=curvatures.astype(np.float32),
         cut_vertex=int(np.argmin(average)),
         closure=flattening.closure,
         area=area * scale**2,

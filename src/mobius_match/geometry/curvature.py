@@ -58,6 +58,18 @@ def curvatures(vertices: np.ndarray, faces: np.ndarray, radii: tuple[float, ...]
     return np.stack(columns, axis=1)
 
 
+def rank_correlation(first: np.ndarray, second: np.ndarray) -> float:
+    """Spearman's, ties in order; 0 where one of the two does not vary. (Importing scipy.stats takes half a second.)"""
+    if np.ptp(first) == 0 or np.ptp(second) == 0:
+        return 0.0
+    return float(np.corrcoef(ranks(first), ranks(second))[0, 1])
+
+
+def ranks(values: np.ndarray) -> np.ndarray:
+    """The place (n,) int64 of each value in ascending order, ties in order."""
+    return np.argsort(np.argsort(values, kind="stable"))
+
+
 def smoothed_density(mesh: IntrinsicMesh, integrated: np.ndarray, radius: float) -> np.ndarray:
     """A quantity given as integrals over the vertices' cells (n,), as a density on the surface scaled to area 1.
 
