@@ -27,8 +27,8 @@ TRUST = (0.1, 0.3, 0.6, 1.2)
 ROUNDS, STEPS = 4, 4
 """Searches for the nearest points at each weight, and alternations of turning and moving after each."""
 
-NORMAL, SPECTRAL = 0.04, 0.003
-"""How much normals and eigenfunctions count in the nearest point, against places per sqrt(area)."""
+NORMAL, SPECTRAL, RELIEF = 0.04, 0.003, 0.015
+"""How much normals, eigenfunctions and curvatures count in the nearest point, against places per sqrt(area)."""
 
 BESIDE = 0.03
 """Distance per sqrt(area) from a bent part up to which a point of the whole belongs to it."""
@@ -115,15 +115,19 @@ def bend(
     positions, turns = _carried(rest, source.proxy, registration.positions / scale2, registration.rotations)
     body = Body(rest, edges_of(source.mesh.faces))
     # Eigenfunctions keep a point from a limb that lies close by but belongs elsewhere, and from sliding along its own.
-    # Nothing is left of them on a part.
+    # Nothing is left of them on a part, nor do curvatures hold at its rim.
     shared = source.eigenfunctions.shape[1] if whole else 0
     spectral1, spectral2 = (one.eigenfunctions[:, :shared].astype(np.float64) for one in (source, target))
     spectral1 = spectral1 @ functional_map(spectral1[source.proxy], spectral2[registration.image])
-    goals = _features(there, normals2, spectral2)
+    seen1, seen2 = (
+        np.hstack([SPECTRAL * spectral, RELIEF * whole * one.relief])
+        for one, spectral in ((source, spectral1), (target, spectral2))
+    )
+    goals = _features(there, normals2, seen2)
     among, beside = Leaves(goals), together(rest)
     for trust in TRUST:
         for _ in range(ROUNDS):
-            seekers = _features(positions, turned(normals1, turns), spectral1)
+            seekers = _features(positions, turned(normals1, turns), seen1)
             places = there[among.nearest(seekers)]
             if whole:
                 drawn = Leaves(seekers, beside).nearest(goals)
@@ -173,6 +177,5 @@ def _carried(
     return np.einsum("nk,nkd->nd", weights, ends), np.einsum("nk,nkij->nij", weights, rotations[near])
 
 
-def _features(places: np.ndarray, normals: np.ndarray, spectral: np.ndarray | None = None) -> np.ndarray:
-    parts = [places, NORMAL * normals] + ([] if spectral is None else [SPECTRAL * spectral])
-    return np.concatenate(parts, axis=1)
+def _features(places: np.ndarray, normals: np.ndarray, *seen: np.ndarray) -> np.ndarray:
+    return np.hstack([places, NORMAL * normals, *seen])
