@@ -57,6 +57,19 @@ def test_another_pose_is_met_more_closely_than_by_the_map_it_began_with():
     assert found.turn.mean() < 0.1
 
 
+def test_curvatures_keep_bumps_together_where_proportions_differ(surface):
+    vertices, faces = lump(4)
+    longer = mm.prepare((vertices * (1.0, 1.0, 1.5), faces))
+    generator, places = np.random.default_rng(0), longer.mesh.vertices[surface.proxy]
+    apart = np.linalg.norm(places[:, None] - longer.mesh.vertices, axis=2) / np.sqrt(longer.area)
+    start = np.array([generator.choice(np.flatnonzero(row < 0.08)) for row in apart])
+    with_them, without = (
+        np.linalg.norm(register(surface, longer, start, relief=relief).positions - places, axis=1).mean()
+        for relief in (True, False)
+    )
+    assert with_them < 0.9 * without
+
+
 def test_a_piece_that_the_map_tears_off_follows_the_body(surface):
     """A cap sent to the opposite end comes back to where it belongs."""
     places = surface.mesh.vertices[surface.proxy]

@@ -7,7 +7,7 @@ import pytest
 
 import mobius_match as mm
 from mobius_match.errors import FormatError
-from tests.shapes import lump
+from tests.shapes import icosphere, lump
 
 
 @pytest.fixture(scope="module")
@@ -39,6 +39,17 @@ def test_a_saved_surface_comes_back_as_it_was(surface, tmp_path):
                 assert same(getattr(record, field.name), getattr(loaded, field.name)), field.name
     with pytest.raises(ValueError, match="read-only"):
         found.mesh.vertices[0] = 0
+
+
+def test_relief_is_free_of_scale_and_a_sphere_has_little():
+    vertices, faces = lump(4)
+    found = mm.prepare((vertices, faces))
+    assert np.abs(np.median(found.relief[found.proxy], axis=0)).max() < 1e-3
+    assert found.relief[found.proxy].std(axis=0) == pytest.approx([1, 1], abs=0.15)
+    bumps, middle = np.argmax(np.linalg.norm(vertices, axis=1)), np.argmin(np.linalg.norm(vertices, axis=1))
+    assert (found.relief[bumps] > found.relief[middle] + 2).all()
+    np.testing.assert_allclose(mm.prepare((1000 * vertices + 5, faces)).relief, found.relief, atol=2e-3)
+    assert np.abs(mm.prepare(icosphere(3)).relief).max() < 0.5
 
 
 def test_a_mesh_without_a_file_too(tmp_path):
