@@ -123,10 +123,7 @@ def register(
     drawers, shared = (target.proxy, target.eigenfunctions.shape[1]) if whole else (target.proxy[:0], 0)
     spectral1 = source.eigenfunctions[source.proxy].astype(np.float64)[:, :shared]
     spectral2 = target.eigenfunctions[:, :shared]
-    seen1, seen2 = (
-        np.hstack([DESCRIPTOR * whole * one.descriptors, RELIEF * (whole and relief) * one.relief])
-        for one in (source, target)
-    )
+    seen1, seen2 = (_seen(one, whole, relief) for one in (source, target))
     some = _candidates(target)
     goals = _features(there[some], normals2[some], spectral2[some], seen2[some])
     among, drawing = Leaves(goals), goals[np.searchsorted(some, drawers)]
@@ -189,6 +186,12 @@ def strain(source: Surface, target: Surface, registration: Registration) -> floa
     """How badly the source is bent, to be compared with another way: what it stretches, and how far normals are off."""
     found = {"stretch": stretching(source, target, registration), "turn": float(registration.turn.mean())}
     return sum(weight * float(np.log(found[kind] + LITTLE[kind])) for kind, weight in STRAIN.items())
+
+
+def _seen(surface: Surface, whole: bool, relief: bool) -> np.ndarray:
+    """What tells vertices (n, d) from those beside them, as much as it counts; of a part, nothing."""
+    kinds = [DESCRIPTOR * surface.descriptors] * whole + [RELIEF * surface.relief] * (whole and relief)
+    return np.hstack([np.empty((len(surface.mesh.vertices), 0), np.float32), *kinds])
 
 
 def _features(places: np.ndarray, normals: np.ndarray, spectral: np.ndarray, seen: np.ndarray) -> np.ndarray:

@@ -120,7 +120,7 @@ def bend(
     spectral1, spectral2 = (one.eigenfunctions[:, :shared].astype(np.float64) for one in (source, target))
     spectral1 = spectral1 @ functional_map(spectral1[source.proxy], spectral2[registration.image])
     seen1, seen2 = (
-        np.hstack([SPECTRAL * spectral, RELIEF * whole * one.relief])
+        np.hstack([SPECTRAL * spectral, *[RELIEF * one.relief] * whole])
         for one, spectral in ((source, spectral1), (target, spectral2))
     )
     goals = _features(there, normals2, seen2)
