@@ -79,7 +79,7 @@ WITHOUT: dict[str, tuple[dict[str, Any], Patches]] = {
     "intrinsic Delaunay triangulation": ({"triangulation": "mesh"}, nullcontext),
     "heat geodesics (edge paths)": ({"geodesics": "dijkstra"}, nullcontext),
     "descriptors in the votes": ({}, constant(tally, "signature_similarity", alike)),
-    "choice between explanations (most votes win)": (
+    "choice between explanations (votes, and strain)": (
         {},
         weights(distances=0.0, laplacian=0.0, mean_curvature=0.0, gauss_curvature=0.0),
     ),
@@ -89,7 +89,8 @@ WITHOUT: dict[str, tuple[dict[str, Any], Patches]] = {
         if kind != "landmarks"
     },
     "choice: strain of close ones": ({}, constant(hypotheses, "CONTENDERS", 1)),
-    "other starts, and settling, where shapes differ": ({}, constant(hypotheses, "HARD", np.inf)),
+    "tips of limbs, where shapes differ": ({}, constant(hypotheses, "TIPPED", 0)),
+    "other starts, tips, and settling, where shapes differ": ({}, constant(hypotheses, "HARD", np.inf)),
     "descriptors in the spread": ({}, constant(spreading, "DESCRIPTORS", 0.0)),
     "transport (nearest points)": ({}, constant(spreading, "Transport", partial(Transport, balance=0.0))),
     "upsampling (20 eigenfunctions alone)": ({}, constant(spreading, "UPSAMPLING", (20,))),

@@ -4,7 +4,7 @@ Beyond the paper. On shapes that are nearly symmetric, or far from isometric, a 
 back, head for feet) can gain more votes than the right one. The best triplets are grouped by where they send the
 surface; each group's matches are extended to a map of the whole surface by spectral upsampling (Melzi et al. 2019) that
 leaves no part of the target over, and the maps are compared by what the votes do not see: distances over all pairs,
-the Laplacian, curvature.
+the Laplacian, curvature. Where none fits well, the ends of limbs make triplets of their own.
 """
 
 from __future__ import annotations
@@ -24,11 +24,12 @@ from .mobius import homogeneous
 from .preparing import each
 from .registration import Registration, is_torn, register, sketched, strain
 from .settings import MatchSettings
-from .spreading import finer_targets, plan_along, spread
+from .spreading import finer_targets, plan_along, rough_image, spread
 from .surface import Progress, Surface
 from .voting import Votes, cast_votes
 from .voting.groups import GROUP_RADIUS, agreed_matches, group_triplets, purest_half
 from .voting.kernel import explained_pairs
+from .voting.tips import tip_groups
 
 badness_of = attrgetter("badness")
 
@@ -48,13 +49,15 @@ WEIGHTS = {
     "laplacian": 3.0,
     "mean curvature": 1.0,
     "gauss curvature": 3.0,
-    "votes": 2.0,
     "landmarks": 20.0,
 }
-"""What each kind of evidence counts; the last is how far known pairs are sent elsewhere, where there are any."""
+"""What each kind of evidence counts; "landmarks" is how far known pairs are sent elsewhere, where there are any."""
 
 CONTEST, CONTENDERS = 1.5, 4
 """Difference of badness up to which explanations are compared once more, and how many at most."""
+
+TIPPED = 8
+"""Of how many likely ways to match tips an explanation is made, where shapes differ."""
 
 CLOSE = 0.3
 """Difference of two explanations' badness below which the choice between them is called close."""
@@ -145,37 +148,61 @@ def explanations(
     distances = target.normalized_distances
     groups = group_triplets(pairs, distances, votes.totals)
 
-    def explained(group: np.ndarray, part: np.ndarray, backward: bool = False) -> Explanation:
-        """A group's explanation by a part of its triplets, from a map of the source or, backward, of the target."""
-        matches = agreed_matches(pairs[part], votes.totals[part], len(target.samples))
+    def judged(image: np.ndarray) -> dict[str, float]:
+        evidence = compare(source, target, image)
+        if hints is not None:
+            astray = hints.astray(source, target, target.proxy[image])
+            evidence["landmarks"] = float(np.maximum(astray - ASTRAY, 0.0).mean())
+        return evidence
+
+    def explained(matches: np.ndarray, share: float, backward: bool = False) -> Explanation:
+        """The explanation by matches of samples, from a map of the source or, backward, of the target."""
         if backward:
             image = spread(target, source, matches[:, ::-1], hints and hints.inverse).argmax(axis=0)
         else:
             image = spread(source, target, matches, hints).argmax(axis=1)
-        evidence = compare(source, target, image)
-        evidence["votes"] = float(np.log(votes.totals[0] / votes.totals[group[0]]))
-        if hints is not None:
-            astray = hints.astray(source, target, target.proxy[image])
-            evidence["landmarks"] = float(np.maximum(astray - ASTRAY, 0.0).mean())
-        badness = weighted(evidence)
-        return Explanation(target.proxy[image], evidence, badness, len(group) / len(pairs), hints=hints)
+        evidence = judged(image)
+        return Explanation(target.proxy[image], evidence, weighted(evidence), share, hints=hints)
 
-    found = each(lambda i, _: explained(groups[i], groups[i]), len(groups), jobs, None)
+    def agreed(part: np.ndarray) -> np.ndarray:
+        return agreed_matches(pairs[part], votes.totals[part], len(target.samples))
+
+    shares = [len(group) / len(pairs) for group in groups]
+    found = each(lambda i, _: explained(agreed(groups[i]), shares[i]), len(groups), jobs, None)
     least = min((one.badness for one in found), default=0.0)
-    if least > HARD:
-        # The shapes differ, and a map that began well may have gone astray. Other ways to begin do not go astray alike.
-        order = sorted(range(len(found)), key=lambda i: found[i].badness)[:CONTENDERS]
-        near = [i for i in order if found[i].badness <= least + CONTEST]
-        tasks = [
-            (i, part, backward)
-            for i in near
-            for part, backward in product((groups[i], purest_half(pairs, distances, groups[i])), (True, False))
-            if backward or part is not groups[i]
-        ]
-        others = each(lambda k, _: explained(groups[tasks[k][0]], *tasks[k][1:]), len(tasks), jobs, None)
-        for (i, _, _), other in zip(tasks, others, strict=True):
-            found[i] = min(found[i], other, key=badness_of)
-    return sorted(found, key=badness_of)
+    if least <= HARD:
+        return sorted(found, key=badness_of)
+    # The shapes differ, and a map that began well may have gone astray. Other ways to begin do not go astray alike.
+    order = sorted(range(len(found)), key=lambda i: found[i].badness)[:CONTENDERS]
+    near = [i for i in order if found[i].badness <= least + CONTEST]
+    tasks = [
+        (i, part, backward)
+        for i in near
+        for part, backward in product((groups[i], purest_half(pairs, distances, groups[i])), (True, False))
+        if backward or part is not groups[i]
+    ]
+    others = each(lambda k, _: explained(agreed(tasks[k][1]), 0.0, tasks[k][2]), len(tasks), jobs, None)
+    for (i, _, _), other in zip(tasks, others, strict=True):
+        found[i] = min(found[i], replace(other, share=shares[i]), key=badness_of)
+    # Or all of the triplets that were drawn are wrong.
+    ends = [agreed_matches(*group, len(target.samples)) for group in tip_groups(source, target)]
+    rough = each(lambda i, _: weighted(judged(rough_image(source, target, ends[i], hints))), len(ends), jobs, None)
+    best = np.argsort(rough, kind="stable")[:TIPPED]
+    found += each(lambda k, _: explained(ends[best[k]], 0.0), len(best), jobs, None)
+    return distinct(target, found)
+
+
+def distinct(target: Surface, found: list[Explanation]) -> list[Explanation]:
+    """Explanations, best first, without those that send the source where a better one does."""
+    places, kept = target.mesh.vertices / np.sqrt(target.area), list[Explanation]()
+    for one in sorted(found, key=badness_of):
+        apart = [np.linalg.norm(places[one.image] - places[other.image], axis=1).mean() for other in kept]
+        same = int(np.argmin(apart)) if kept else 0
+        if kept and apart[same] < GROUP_RADIUS / 2:
+            kept[same] = replace(kept[same], share=max(kept[same].share, one.share))
+        else:
+            kept.append(one)
+    return kept
 
 
 def heeding(
@@ -190,13 +217,7 @@ def heeding(
     if hints is None or (found and not found[0].evidence["landmarks"]):
         return votes, found
     votes = cast_votes(source, target, replace(settings, votes=votes.n_triplets), hints=hints)
-    found = sorted(found + explanations(source, target, votes, hints, settings.jobs), key=badness_of)
-    places, distinct = target.mesh.vertices / np.sqrt(target.area), found[:1]
-    for one in found[1:]:
-        apart = [np.linalg.norm(places[one.image] - places[other.image], axis=1).mean() for other in distinct]
-        if min(apart) >= GROUP_RADIUS / 2:
-            distinct.append(one)
-    return votes, distinct
+    return votes, distinct(target, found + explanations(source, target, votes, hints, settings.jobs))
 
 
 def contested(source: Surface, target: Surface, found: list[Explanation], jobs: int | None = 1) -> list[Explanation]:

@@ -22,6 +22,9 @@ UPSAMPLING = (20, 30, 40, 50)
 COARSE = 2
 """All maps but the last are between every so many-th point of the proxies."""
 
+ROUGH = 4
+"""The same where many maps are to be compared."""
+
 DESCRIPTORS = 0.4
 """How much the descriptors of points count against their eigenfunctions, by root mean square."""
 
@@ -34,13 +37,7 @@ def spread(source: Surface, target: Surface, matches: np.ndarray, hints: Hints |
     numpy.ndarray
         (P1, P2) float32: which part of each point of the source's proxy goes where in the target's; rows sum to 1.
     """
-    features = []
-    for side, surface in enumerate((source, target)):
-        apart = surface.proxy_distances[matches[:, side]]
-        if hints is not None:
-            apart = np.concatenate([apart, hints.distances[side][:, surface.proxy]])
-        features.append(np.exp(-apart.T[::COARSE] / (FEATURE_SCALE * np.sqrt(surface.area))))
-    plan = Transport(features[0], features[1], neighbour=NEIGHBOUR // COARSE).plan
+    plan = _begun(source, target, matches, hints, COARSE)
     first, second = (surface.eigenfunctions[surface.proxy] for surface in (source, target))
     for count in UPSAMPLING:
         # Each point is sent to the mean of the places that its mass goes to.
@@ -48,6 +45,26 @@ def spread(source: Surface, target: Surface, matches: np.ndarray, hints: Hints |
         step = 1 if count == UPSAMPLING[-1] else COARSE
         plan = _transport(source, target, first[:, :count] @ transfer, second[:, :count], step).plan
     return plan
+
+
+def rough_image(source: Surface, target: Surface, matches: np.ndarray, hints: Hints | None = None) -> np.ndarray:
+    """Where :func:`spread` sends the source's proxy, about, in a fraction of the time: (P1,) of the target's proxy."""
+    plan, count = _begun(source, target, matches, hints, ROUGH), UPSAMPLING[0]
+    first, second = (surface.eigenfunctions[surface.proxy, :count] for surface in (source, target))
+    first = first @ functional_map(first[::ROUGH], plan @ second[::ROUGH])
+    queries, places = _described(source, source.proxy, first, second), _described(target, target.proxy, second, second)
+    return _transport(source, target, first, second, ROUGH).images(queries, places)
+
+
+def _begun(source: Surface, target: Surface, matches: np.ndarray, hints: Hints | None, step: int) -> np.ndarray:
+    """The plan between every so many-th point of the proxies that distances from matches and hints tell."""
+    features = []
+    for side, surface in enumerate((source, target)):
+        apart = surface.proxy_distances[matches[:, side]]
+        if hints is not None:
+            apart = np.concatenate([apart, hints.distances[side][:, surface.proxy]])
+        features.append(np.exp(-apart.T[::step] / (FEATURE_SCALE * np.sqrt(surface.area))))
+    return Transport(features[0], features[1], neighbour=NEIGHBOUR // step).plan
 
 
 def _transport(source: Surface, target: Surface, first: np.ndarray, second: np.ndarray, step: int = 1) -> Transport:

@@ -187,27 +187,13 @@ def _uniform(source: Surface, target: Surface, settings: MatchSettings) -> tuple
 def _guided(
     source: Surface, target: Surface, settings: MatchSettings, hints: Hints | None
 ) -> tuple[Batch, tuple[str, ...]]:
-    geodesics1, geodesics2 = source.normalized_distances, target.normalized_distances
-    points1, points2 = homogeneous(source.positions), homogeneous(target.positions)
     similarity = signature_similarity(source.signatures, target.signatures)
     astray = None
     if hints is not None:
         astray = hints.disagreement(source, target, source.samples, target.samples)
         similarity = similarity * np.exp(-((astray / HINT_SCALE) ** 2))
-    least_pairs = int(np.ceil((settings.min_fraction or 0.0) * min(similarity.shape)))
     draw, warnings = _proposals(source, target, astray)
-    weigh = partial(
-        vote_weighted,
-        points1,
-        points2,
-        geodesics1=geodesics1,
-        geodesics2=geodesics2,
-        similarity=similarity,
-        scale=WEIGHT_SCALE,
-        power=WEIGHT_POWER,
-        least_pairs=least_pairs,
-        spherical=settings.distance == "spherical",
-    )
+    weigh = _weighing(source, target, similarity, settings)
 
     def batch(stream: np.random.SeedSequence, size: int) -> Votes:
         triplets1, triplets2 = draw(np.random.default_rng(stream), size)
@@ -217,6 +203,31 @@ def _guided(
         return Votes(matrix, len(triplets1), n_voting, triplets1[best], triplets2[best], totals[best])
 
     return batch, warnings
+
+
+def _weighing(source: Surface, target: Surface, similarity: np.ndarray, settings: MatchSettings) -> Callable[..., int]:
+    """:func:`vote_weighted` on these surfaces: all that is left to give is the triplets and what is written to."""
+    return partial(
+        vote_weighted,
+        homogeneous(source.positions),
+        homogeneous(target.positions),
+        geodesics1=source.normalized_distances,
+        geodesics2=target.normalized_distances,
+        similarity=similarity,
+        scale=WEIGHT_SCALE,
+        power=WEIGHT_POWER,
+        least_pairs=int(np.ceil((settings.min_fraction or 0.0) * min(similarity.shape))),
+        spherical=settings.distance == "spherical",
+    )
+
+
+def totals_of(source: Surface, target: Surface, triplets1: np.ndarray, triplets2: np.ndarray) -> np.ndarray:
+    """The sums of the weights (I,) of triplets (I, 3) under the default settings, as in :class:`Votes`."""
+    similarity = signature_similarity(source.signatures, target.signatures)
+    totals = np.empty(len(triplets1))
+    weigh = _weighing(source, target, similarity, MatchSettings())
+    weigh(triplets1, triplets2, votes=np.zeros(similarity.shape), totals=totals)
+    return totals
 
 
 def _proposals(
