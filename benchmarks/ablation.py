@@ -70,6 +70,16 @@ def constant(module: Any, name: str, value: Any) -> Patches:
     return lambda: patch.object(module, name, value)
 
 
+def unseen(kind: int) -> Patches:
+    """Descriptors (0) or curvatures (1) count nothing in the registration."""
+    seen = registration._seen
+
+    def without(surface: Any, weights: tuple[float, float]) -> Any:
+        return seen(surface, (0.0, weights[1]) if kind == 0 else (weights[0], 0.0))
+
+    return lambda: patch.object(registration, "_seen", without)
+
+
 WITHOUT: dict[str, tuple[dict[str, Any], Patches]] = {
     "nothing left out": ({}, nullcontext),
     "guided triplets and all that follows (300,000 uniform ones, the paper's K)": (
@@ -97,8 +107,8 @@ WITHOUT: dict[str, tuple[dict[str, Any], Patches]] = {
     "registration": ({"threshold": 0.0}, not_bent),
     "registration: normals": ({}, constant(registration, "NORMAL", 0.0)),
     "registration: eigenfunctions": ({}, constant(registration, "SPECTRAL", 0.0)),
-    "registration: descriptors": ({}, constant(registration, "DESCRIPTOR", 0.0)),
-    "registration: curvatures": ({}, constant(registration, "RELIEF", 0.0)),
+    "registration: descriptors": ({}, unseen(0)),
+    "registration: curvatures": ({}, unseen(1)),
     "registration: torn pieces set free": ({}, constant(registration, "TEAR", np.inf)),
     "registration: rising trust (the first alone)": ({}, constant(registration, "TRUST", registration.TRUST[:2])),
     "confidence (all alike)": (

@@ -7,7 +7,7 @@ import pytest
 
 import mobius_match as mm
 from mobius_match import examples
-from mobius_match.registration import register, stretching
+from mobius_match.registration import ALIKE, SKETCHED, register, stretching
 from tests.shapes import lump, rotation
 
 
@@ -64,8 +64,8 @@ def test_curvatures_keep_bumps_together_where_proportions_differ(surface):
     apart = np.linalg.norm(places[:, None] - longer.mesh.vertices, axis=2) / np.sqrt(longer.area)
     start = np.array([generator.choice(np.flatnonzero(row < 0.08)) for row in apart])
     with_them, without = (
-        np.linalg.norm(register(surface, longer, start, relief=relief).positions - places, axis=1).mean()
-        for relief in (True, False)
+        np.linalg.norm(register(surface, longer, start, seen=seen).positions - places, axis=1).mean()
+        for seen in (ALIKE, SKETCHED)
     )
     assert with_them < 0.9 * without
 

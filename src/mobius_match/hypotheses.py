@@ -22,7 +22,7 @@ from .geometry.spectral import functional_map
 from .hints import ASTRAY, Hints
 from .mobius import homogeneous
 from .preparing import each
-from .registration import Registration, is_torn, register, sketched, strain
+from .registration import ALIKE, DIFFERENT, Registration, is_torn, register, sketched, strain
 from .settings import MatchSettings
 from .spreading import finer_targets, plan_along, rough_image, spread
 from .surface import Progress, Surface
@@ -33,7 +33,7 @@ from .voting.tips import tip_groups
 
 badness_of = attrgetter("badness")
 
-HARD = 2.5
+HARD = 2.0
 """Badness of the best explanation above which contenders are begun in other ways too, and the winner is bent until it
 settles."""
 
@@ -79,8 +79,8 @@ class Explanation:
         The part of the best triplets that tell this explanation.
     registration
         The source bent along it, if that has been done.
-    is_settled
-        Whether the registration is where :func:`settled` leads.
+    differ
+        Whether the shapes differ; then the registration, if it has been done, is where :func:`settled` leads.
     hints
         Pairs that are known, for bending.
     """
@@ -90,18 +90,21 @@ class Explanation:
     badness: float
     share: float
     registration: Registration | None = None
-    is_settled: bool = False
+    differ: bool = False
     hints: Hints | None = None
 
     def registered(self, source: Surface, target: Surface, jobs: int | None = 1) -> Registration:
         """The source bent onto the target along this explanation."""
         if self.registration is not None:
             return self.registration
-        image = finer_targets(source, target, self.image, source.proxy)
+        image, seen = finer_targets(source, target, self.image, source.proxy), DIFFERENT if self.differ else ALIKE
         # A piece that was torn off by a few wrong points beside it is better believed.
         ways = (True, False) if is_torn(source, target, image) else (True,)
         found = each(
-            lambda i, _: register(source, target, image, freeing=ways[i], hints=self.hints), len(ways), jobs, None
+            lambda i, _: register(source, target, image, freeing=ways[i], seen=seen, hints=self.hints),
+            len(ways),
+            jobs,
+            None,
         )
         return found[0] if len(found) == 1 else min(found, key=partial(misgivings, source, target))
 
@@ -118,7 +121,7 @@ def settled(source: Surface, target: Surface, explanation: Explanation) -> Regis
     A map that began badly gets better so, and what a single one is off along a limb averages out.
     """
     found = [explanation.registered(source, target)]
-    if explanation.is_settled:
+    if explanation.differ and explanation.registration is not None:
         return found[0]
     for _ in range(AGAIN):
         found.append(replace(explanation, image=found[-1].image, registration=None).registered(source, target))
@@ -241,9 +244,9 @@ def contested(source: Surface, target: Surface, found: list[Explanation], jobs: 
     judged = sorted(rivals + found[len(rivals) :], key=badness_of)
     if not judged:
         return []
-    winner, differ = judged[0], found[0].badness > HARD
-    registration = settled(source, target, winner) if differ else winner.registered(source, target, jobs)
-    return [replace(winner, registration=registration, is_settled=differ), *judged[1:]]
+    winner = replace(judged[0], differ=found[0].badness > HARD)
+    registration = settled(source, target, winner) if winner.differ else winner.registered(source, target, jobs)
+    return [replace(winner, registration=registration), *judged[1:]]
 
 
 def doubts(found: list[Explanation]) -> list[str]:

@@ -37,9 +37,12 @@ ROUNDS = 3
 SETTLING, STEPS = 12, 2
 """Alternations of turning and moving at first, and after each search."""
 
-NORMAL, SPECTRAL, DESCRIPTOR, RELIEF = 0.15, 0.02, 0.07, 0.05
-"""How much normals, eigenfunctions, descriptors and curvatures count in the nearest point, against places per
-sqrt(area)."""
+NORMAL, SPECTRAL = 0.15, 0.02
+"""How much normals and eigenfunctions count in the nearest point, against places per sqrt(area)."""
+
+ALIKE, DIFFERENT, SKETCHED = (0.07, 0.05), (0.03, 0.1), (0.07, 0.0)
+"""How much descriptors and curvatures do: where shapes are alike; where they differ, and descriptors tell less; and
+where several ways are compared, as curvatures would pull a wrong one into shape as well."""
 
 STRAIN, LITTLE = {"stretch": 16.0, "turn": 2.0}, {"stretch": 0.01, "turn": 0.001}
 """What the logarithm of each kind of strain counts, and how much of it is as good as none."""
@@ -91,7 +94,7 @@ def register(
     rounds: int = ROUNDS,
     freeing: bool = True,
     trusts: tuple[float, ...] | None = None,
-    relief: bool = True,
+    seen: tuple[float, float] = ALIKE,
     hints: Hints | None = None,
 ) -> Registration:
     """Bend the source onto the target.
@@ -110,8 +113,8 @@ def register(
         Whether pieces that the map tears off are set free at first, to follow the body.
     trusts
         Weights of the places against rigidity, from one round to the next; None for :data:`TRUST`.
-    relief
-        Whether curvatures count.
+    seen
+        Weights of descriptors and curvatures.
     hints
         Pairs that are known: the source is pinned there.
     """
@@ -123,7 +126,7 @@ def register(
     drawers, shared = (target.proxy, target.eigenfunctions.shape[1]) if whole else (target.proxy[:0], 0)
     spectral1 = source.eigenfunctions[source.proxy].astype(np.float64)[:, :shared]
     spectral2 = target.eigenfunctions[:, :shared]
-    seen1, seen2 = (_seen(one, whole, relief) for one in (source, target))
+    seen1, seen2 = (_seen(one, seen if whole else (0.0, 0.0)) for one in (source, target))
     some = _candidates(target)
     goals = _features(there[some], normals2[some], spectral2[some], seen2[some])
     among, drawing = Leaves(goals), goals[np.searchsorted(some, drawers)]
@@ -157,11 +160,8 @@ def register(
 
 
 def sketched(source: Surface, target: Surface, image: np.ndarray, hints: Hints | None = None) -> Registration:
-    """:func:`register` in a fraction of the time: good enough to see which of several images is right.
-
-    Curvatures would pull a wrong one into shape as well.
-    """
-    return register(source, target, image, rounds=1, trusts=TIGHT, relief=False, hints=hints)
+    """:func:`register` in a fraction of the time: good enough to see which of several images is right."""
+    return register(source, target, image, rounds=1, trusts=TIGHT, seen=SKETCHED, hints=hints)
 
 
 def is_torn(source: Surface, target: Surface, image: np.ndarray) -> bool:
@@ -188,9 +188,11 @@ def strain(source: Surface, target: Surface, registration: Registration) -> floa
     return sum(weight * float(np.log(found[kind] + LITTLE[kind])) for kind, weight in STRAIN.items())
 
 
-def _seen(surface: Surface, whole: bool, relief: bool) -> np.ndarray:
-    """What tells vertices (n, d) from those beside them, as much as it counts; of a part, nothing."""
-    kinds = [DESCRIPTOR * surface.descriptors] * whole + [RELIEF * surface.relief] * (whole and relief)
+def _seen(surface: Surface, weights: tuple[float, float]) -> np.ndarray:
+    """What tells vertices (n, d) from those beside them, as much as it counts; no column for what does not."""
+    descriptor, relief = weights
+    kinds = [descriptor * surface.descriptors] if descriptor else []
+    kinds += [relief * surface.relief] if relief else []
     return np.hstack([np.empty((len(surface.mesh.vertices), 0), np.float32), *kinds])
 
 
