@@ -125,7 +125,10 @@ def test_a_map_that_began_badly_settles_nearer_to_the_truth(surface):
     assert error(at_last) < 0.8 * error(once)
     assert error(at_last) < 0.02
     differing = contested(surface, surface, [replace(explanation, badness=HARD + 1)])[0]
-    np.testing.assert_array_equal(differing.registration.positions, at_last.positions)
+    expected = settled(surface, surface, replace(explanation, differ=True))
+    np.testing.assert_array_equal(differing.registration.positions, expected.positions)
+    assert differing.differ
+    assert not contested(surface, surface, [replace(explanation, badness=HARD - 1)])[0].differ
     assert settled(surface, surface, differing) is differing.registration
 
 

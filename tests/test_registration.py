@@ -7,7 +7,7 @@ import pytest
 
 import mobius_match as mm
 from mobius_match import examples
-from mobius_match.registration import ALIKE, SKETCHED, register, stretching
+from mobius_match.registration import ALIKE, SKETCHED, _seen, register, stretching
 from tests.shapes import lump, rotation
 
 
@@ -68,6 +68,14 @@ def test_curvatures_keep_bumps_together_where_proportions_differ(surface):
         for seen in (ALIKE, SKETCHED)
     )
     assert with_them < 0.9 * without
+
+
+def test_of_what_has_no_weight_there_is_no_column(surface):
+    n, kinds = len(surface.mesh.vertices), surface.descriptors.shape[1]
+    relief = surface.relief.shape[1]
+    for weights, columns in (((0.0, 0.0), 0), ((0.5, 0.0), kinds), ((0.0, 0.5), relief), ((0.5, 2.0), kinds + relief)):
+        assert _seen(surface, weights).shape == (n, columns)
+    np.testing.assert_allclose(_seen(surface, (0.5, 2.0))[:, kinds:], 2.0 * surface.relief, rtol=1e-6)
 
 
 def test_a_piece_that_the_map_tears_off_follows_the_body(surface):

@@ -189,6 +189,7 @@ def explanations(
         found[i] = min(found[i], replace(other, share=shares[i]), key=badness_of)
     # Or all of the triplets that were drawn are wrong.
     ends = [agreed_matches(*group, len(target.samples)) for group in tip_groups(source, target)]
+    ends = [matches for matches in ends if len(matches) > 2]
     rough = each(lambda i, _: weighted(judged(rough_image(source, target, ends[i], hints))), len(ends), jobs, None)
     best = np.argsort(rough, kind="stable")[:TIPPED]
     found += each(lambda k, _: explained(ends[best[k]], 0.0), len(best), jobs, None)
