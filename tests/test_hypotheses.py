@@ -96,7 +96,7 @@ def test_where_all_drawn_triplets_are_wrong_the_ends_of_limbs_tell(monkeypatch):
     right = explanations(source, target, votes)[0]
     generator = np.random.default_rng(0)
     wrong = np.array([generator.permutation(len(target.samples))[:3] for _ in votes.totals])
-    monkeypatch.setattr("mobius_match.hypotheses.HARD", 0.0)  # as where shapes differ
+    monkeypatch.setattr("mobius_match.hypotheses.UNSURE", 0.0)  # as where shapes differ
     found = explanations(source, target, replace(votes, best2=wrong))
     places = target.mesh.vertices / np.ptp(target.mesh.vertices, axis=0).max()
     apart = [np.linalg.norm(places[one.image] - places[right.image], axis=1).mean() for one in found]

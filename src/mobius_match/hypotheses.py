@@ -33,9 +33,9 @@ from .voting.tips import tip_groups
 
 badness_of = attrgetter("badness")
 
-HARD = 2.0
-"""Badness of the best explanation above which contenders are begun in other ways too, and the winner is bent until it
-settles."""
+UNSURE, HARD = 1.5, 2.0
+"""Badness of the best explanation above which contenders are begun in other ways too, and above which the shapes are
+taken to differ: the winner is bent until it settles."""
 
 COMPARED = 20
 """Number of eigenfunctions on which maps are compared with the Laplacian."""
@@ -57,7 +57,7 @@ CONTEST, CONTENDERS = 1.5, 4
 """Difference of badness up to which explanations are compared once more, and how many at most."""
 
 TIPPED = 8
-"""Of how many likely ways to match tips an explanation is made, where shapes differ."""
+"""Of how many likely ways to match tips an explanation is made, where no other fits well."""
 
 CLOSE = 0.3
 """Difference of two explanations' badness below which the choice between them is called close."""
@@ -173,9 +173,9 @@ def explanations(
     shares = [len(group) / len(pairs) for group in groups]
     found = each(lambda i, _: explained(agreed(groups[i]), shares[i]), len(groups), jobs, None)
     least = min((one.badness for one in found), default=0.0)
-    if least <= HARD:
+    if least <= UNSURE:
         return sorted(found, key=badness_of)
-    # The shapes differ, and a map that began well may have gone astray. Other ways to begin do not go astray alike.
+    # A map that began well may have gone astray, as where shapes differ. Other ways to begin do not go astray alike.
     order = sorted(range(len(found)), key=lambda i: found[i].badness)[:CONTENDERS]
     near = [i for i in order if found[i].badness <= least + CONTEST]
     tasks = [
