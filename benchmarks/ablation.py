@@ -99,9 +99,8 @@ WITHOUT: dict[str, tuple[dict[str, Any], Patches]] = {
         if kind != "landmarks"
     },
     "choice: strain of close ones": ({}, constant(hypotheses, "CONTENDERS", 1)),
-    "tips of limbs, where nothing fits well": ({}, constant(hypotheses, "TIPPED", 0)),
-    "tips and other starts, where nothing fits well": ({}, constant(hypotheses, "UNSURE", np.inf)),
-    "settling, and other weights, where shapes differ": ({}, constant(hypotheses, "HARD", np.inf)),
+    "ends of limbs, where nothing fits well": ({}, constant(hypotheses, "UNSURE", np.inf)),
+    "other starts, weights and settling, where shapes differ": ({}, constant(hypotheses, "HARD", np.inf)),
     "descriptors in the spread": ({}, constant(spreading, "DESCRIPTORS", 0.0)),
     "transport (nearest points)": ({}, constant(spreading, "Transport", partial(Transport, balance=0.0))),
     "upsampling (20 eigenfunctions alone)": ({}, constant(spreading, "UPSAMPLING", (20,))),

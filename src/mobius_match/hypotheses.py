@@ -24,7 +24,7 @@ from .mobius import homogeneous
 from .preparing import each
 from .registration import ALIKE, DIFFERENT, Registration, is_torn, register, sketched, strain
 from .settings import MatchSettings
-from .spreading import finer_targets, plan_along, rough_image, spread
+from .spreading import ROUGH, finer_targets, plan_along, rough_image, spread
 from .surface import Progress, Surface
 from .voting import Votes, cast_votes
 from .voting.groups import GROUP_RADIUS, agreed_matches, group_triplets, purest_half
@@ -33,9 +33,9 @@ from .voting.tips import tip_groups
 
 badness_of = attrgetter("badness")
 
-UNSURE, HARD = 1.5, 2.0
-"""Badness of the best explanation above which contenders are begun in other ways too, and above which the shapes are
-taken to differ: the winner is bent until it settles."""
+UNSURE, HARD = 1.75, 2.0
+"""Badness of the best explanation above which the ends of limbs are tried, too; and above which the shapes are taken to
+differ: contenders are begun in other ways, and the winner is bent until it settles."""
 
 COMPARED = 20
 """Number of eigenfunctions on which maps are compared with the Laplacian."""
@@ -56,7 +56,7 @@ WEIGHTS = {
 CONTEST, CONTENDERS = 1.5, 4
 """Difference of badness up to which explanations are compared once more, and how many at most."""
 
-TIPPED = 8
+TIPPED = 5
 """Of how many likely ways to match tips an explanation is made, where no other fits well."""
 
 CLOSE = 0.3
@@ -170,30 +170,34 @@ def explanations(
     def agreed(part: np.ndarray) -> np.ndarray:
         return agreed_matches(pairs[part], votes.totals[part], len(target.samples))
 
+    def roughly(matches: np.ndarray) -> float:
+        return weighted(compare(source, target, rough_image(source, target, matches, hints), ROUGH))
+
     shares = [len(group) / len(pairs) for group in groups]
     found = each(lambda i, _: explained(agreed(groups[i]), shares[i]), len(groups), jobs, None)
     least = min((one.badness for one in found), default=0.0)
-    if least <= UNSURE:
-        return sorted(found, key=badness_of)
-    # A map that began well may have gone astray, as where shapes differ. Other ways to begin do not go astray alike.
-    order = sorted(range(len(found)), key=lambda i: found[i].badness)[:CONTENDERS]
-    near = [i for i in order if found[i].badness <= least + CONTEST]
-    tasks = [
-        (i, part, backward)
-        for i in near
-        for part, backward in product((groups[i], purest_half(pairs, distances, groups[i])), (True, False))
-        if backward or part is not groups[i]
-    ]
-    others = each(lambda k, _: explained(agreed(tasks[k][1]), 0.0, tasks[k][2]), len(tasks), jobs, None)
-    for (i, _, _), other in zip(tasks, others, strict=True):
-        found[i] = min(found[i], replace(other, share=shares[i]), key=badness_of)
-    # Or all of the triplets that were drawn are wrong.
-    ends = [agreed_matches(*group, len(target.samples)) for group in tip_groups(source, target)]
-    ends = [matches for matches in ends if len(matches) > 2]
-    rough = each(lambda i, _: weighted(judged(rough_image(source, target, ends[i], hints))), len(ends), jobs, None)
-    best = np.argsort(rough, kind="stable")[:TIPPED]
-    found += each(lambda k, _: explained(ends[best[k]], 0.0), len(best), jobs, None)
-    return distinct(target, found)
+    if least > HARD:
+        # A map that began well may have gone astray. Other ways to begin do not go astray alike.
+        order = sorted(range(len(found)), key=lambda i: found[i].badness)[:CONTENDERS]
+        near = [i for i in order if found[i].badness <= least + CONTEST]
+        tasks = [
+            (i, part, backward)
+            for i in near
+            for part, backward in product((groups[i], purest_half(pairs, distances, groups[i])), (True, False))
+            if backward or part is not groups[i]
+        ]
+        others = each(lambda k, _: explained(agreed(tasks[k][1]), 0.0, tasks[k][2]), len(tasks), jobs, None)
+        for (i, _, _), other in zip(tasks, others, strict=True):
+            found[i] = min(found[i], replace(other, share=shares[i]), key=badness_of)
+    if least > UNSURE:
+        # All of the triplets that were drawn may be wrong.
+        ends = [agreed_matches(*group, len(target.samples)) for group in tip_groups(source, target)]
+        ends = [matches for matches in ends if len(matches) > 2]
+        rough = each(lambda i, _: roughly(ends[i]), len(ends), jobs, None)
+        best = np.argsort(rough, kind="stable")[:TIPPED]
+        found += each(lambda k, _: explained(ends[best[k]], 0.0), len(best), jobs, None)
+        return distinct(target, found)
+    return sorted(found, key=badness_of)
 
 
 def distinct(target: Surface, found: list[Explanation]) -> list[Explanation]:
@@ -263,16 +267,19 @@ def doubts(found: list[Explanation]) -> list[str]:
     ]
 
 
-def compare(source: Surface, target: Surface, image: np.ndarray) -> dict[str, float]:
-    """Evidence against a map of the proxy (P1,) to the target's proxy; 0 is perfect in each kind."""
+def compare(source: Surface, target: Surface, image: np.ndarray, step: int = 1) -> dict[str, float]:
+    """Evidence against a map of the proxy, or of every so many-th point of it, to the target's; 0 is perfect."""
+    some = source.proxy[::step]
     # A sample and its image are replaced by the nearest points that distances are known from.
-    mine, theirs = (surface.proxy_distances / np.sqrt(surface.area) for surface in (source, target))
+    mine = source.proxy_distances[:, ::step] / np.sqrt(source.area)
+    theirs = target.proxy_distances / np.sqrt(target.area)
     landing = theirs[:, image[mine.argmin(axis=1)]].argmin(axis=0)
-    first, second = (surface.eigenfunctions[surface.proxy][:, :COMPARED] for surface in (source, target))
-    transfer = functional_map(first, second[image])
+    transfer = functional_map(
+        source.eigenfunctions[some, :COMPARED], target.eigenfunctions[target.proxy[image], :COMPARED]
+    )
     low, high = source.eigenvalues[: transfer.shape[0]], target.eigenvalues[: transfer.shape[1]]
     gauss, mean = (
-        1 - rank_correlation(source.curvatures[row, source.proxy], target.curvatures[row, target.proxy[image]])
+        1 - rank_correlation(source.curvatures[row, some], target.curvatures[row, target.proxy[image]])
         for row in (0, 2)
     )
     return {
