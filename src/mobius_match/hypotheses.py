@@ -132,7 +132,12 @@ def settled(source: Surface, target: Surface, explanation: Explanation) -> Regis
 
 
 def explanations(
-    source: Surface, target: Surface, votes: Votes, hints: Hints | None = None, jobs: int | None = 1
+    source: Surface,
+    target: Surface,
+    votes: Votes,
+    hints: Hints | None = None,
+    jobs: int | None = 1,
+    limbs: bool = True,
 ) -> list[Explanation]:
     """The explanations that the best triplets stand for, the best first.
 
@@ -146,6 +151,8 @@ def explanations(
         Pairs that are known: maps begin with them too, and are the worse the farther they send them elsewhere.
     jobs
         Threads; None for every processor. The result does not depend on it.
+    limbs
+        Whether the ends of limbs may be matched; those of a surface with itself would find themselves.
     """
     pairs = explained_pairs(homogeneous(source.positions), homogeneous(target.positions), votes.best1, votes.best2)
     distances = target.normalized_distances
@@ -189,7 +196,7 @@ def explanations(
         others = each(lambda k, _: explained(agreed(tasks[k][1]), 0.0, tasks[k][2]), len(tasks), jobs, None)
         for (i, _, _), other in zip(tasks, others, strict=True):
             found[i] = min(found[i], replace(other, share=shares[i]), key=badness_of)
-    if least > UNSURE:
+    if limbs and least > UNSURE:
         # All of the triplets that were drawn may be wrong.
         ends = [agreed_matches(*group, len(target.samples)) for group in tip_groups(source, target)]
         ends = [matches for matches in ends if len(matches) > 2]

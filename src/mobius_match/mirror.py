@@ -177,7 +177,7 @@ def symmetry(thing: Any, *, cache: bool = False, progress: Progress | None = Non
     begin = time.perf_counter()
     # One BLAS thread: sums must not depend on the number of processors.
     with threadpool_limits(limits=1, user_api="blas"):
-        found = explanations(surface, replace(surface, positions=surface.positions.conj()), votes)
+        found = explanations(surface, replace(surface, positions=surface.positions.conj()), votes, limbs=False)
         pairs, confidence, stationary, score = _read_off(surface, votes, found)
     timings |= {"reading off": time.perf_counter() - begin, "total": time.perf_counter() - start}
     mesh = surface.mesh
