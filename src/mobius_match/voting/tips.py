@@ -41,7 +41,7 @@ def tip_matches(source: Surface, target: Surface) -> list[np.ndarray]:
     """
     ends1, ends2 = tips(source), tips(target)
     between1, between2 = source.normalized_distances, target.normalized_distances
-    ways: list[np.ndarray] = []
+    ways: list[tuple[np.ndarray, np.ndarray]] = []
     costs: list[np.ndarray] = []
     most = min(len(ends1), len(ends2))
     for size in range(most, max(most - 2, 2), -1):
@@ -53,10 +53,11 @@ def tip_matches(source: Surface, target: Surface) -> list[np.ndarray]:
             here = between1[some[i], some[j]]
             differences = np.abs(np.log((here + SOFT) / (there + SOFT))).mean(axis=1)
             costs.append(differences + LEFT_OUT * (most - size))
-            ways.extend(np.stack([some, image], axis=1) for image in images)
+            ways.extend((some, image) for image in images)
     if not ways:
         return []
-    return [ways[k] for k in np.argsort(np.concatenate(costs), kind="stable")[:LIKELY]]
+    likely = np.argsort(np.concatenate(costs), kind="stable")[:LIKELY]
+    return [np.stack(ways[k], axis=1) for k in likely]
 
 
 def tip_groups(source: Surface, target: Surface) -> list[tuple[np.ndarray, np.ndarray]]:
