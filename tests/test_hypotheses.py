@@ -155,3 +155,16 @@ def test_contenders_are_compared_once_more_by_how_much_they_stretch(surface):
     alone = contested(surface, surface, [right])[0]
     assert (alone.badness, alone.image is right.image) == (right.badness, True)
     assert contested(surface, surface, []) == []
+
+
+def test_contenders_are_bent_both_ways(surface, monkeypatch):
+    """What the target bent onto the source tells weighs a third."""
+    right = Explanation(surface.proxy, {}, 0.0, 1.0)
+    wrong = replace(right, image=np.roll(surface.proxy, 5), badness=0.1)
+    monkeypatch.setattr("mobius_match.hypotheses.sketched", lambda source, *_: source)
+    copy = replace(surface)
+    monkeypatch.setattr("mobius_match.hypotheses.strain", lambda source, *_: calls.append(source) or len(calls))
+    calls = []
+    judged = contested(surface, copy, [right, wrong])
+    assert [one is copy for one in calls] == [False, True, False, True]
+    assert judged[1].evidence["strain"] == pytest.approx((3 - 1) * 2 / 3 + (4 - 2) / 3)

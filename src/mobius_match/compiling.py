@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from functools import partial
 from typing import Any
 
 import numba
@@ -18,13 +19,15 @@ inlined = numba.njit(inline="always", **OPTIONS)
 _not_kept: list[str] = []
 
 
-def jit(function: Callable[..., Any]) -> Any:
-    """A kernel, kept from run to run if there is any folder to keep it in."""
+def jit(function: Callable[..., Any] | None = None, **options: Any) -> Any:
+    """A kernel, kept from run to run if there is any folder to keep it in; with numba's options, a decorator."""
+    if function is None:
+        return partial(jit, **options)
     try:
-        return numba.njit(function, cache=True, **OPTIONS)
+        return numba.njit(function, cache=True, **OPTIONS, **options)
     except RuntimeError:  # no folder can be written
         _not_kept.append(function.__name__)
-        return numba.njit(function, **OPTIONS)
+        return numba.njit(function, **OPTIONS, **options)
 
 
 def compiling() -> str:

@@ -40,7 +40,7 @@ differ: contenders are begun in other ways, and the winner is bent until it sett
 COMPARED = 20
 """Number of eigenfunctions on which maps are compared with the Laplacian."""
 
-AGAIN, LAST, TOGETHER = 5, 4, 0.05
+AGAIN, LAST, TOGETHER = 2, 2, 0.05
 """How often the proxy is bent again, over how many of the last its positions are averaged, and how far from the best,
 per sqrt(area), one counts."""
 
@@ -55,6 +55,9 @@ WEIGHTS = {
 
 CONTEST, CONTENDERS = 1.5, 4
 """Difference of badness up to which explanations are compared once more, and how many at most."""
+
+BACK = 1 / 3
+"""What it counts there how the target is bent onto the source, of how either is."""
 
 TIPPED = 5
 """Of how many likely ways to match tips an explanation is made, where no other fits well."""
@@ -115,16 +118,16 @@ def misgivings(source: Surface, target: Surface, registration: Registration) -> 
     return strain(source, target, registration) + weighted(compare(source, target, place[registration.image]))
 
 
-def settled(source: Surface, target: Surface, explanation: Explanation) -> Registration:
+def settled(source: Surface, target: Surface, explanation: Explanation, jobs: int | None = 1) -> Registration:
     """The source's proxy bent along an explanation again and again, each time from where it had come to lie.
 
     A map that began badly gets better so, and what a single one is off along a limb averages out.
     """
-    found = [explanation.registered(source, target)]
+    found = [explanation.registered(source, target, jobs)]
     if explanation.differ and explanation.registration is not None:
         return found[0]
     for _ in range(AGAIN):
-        found.append(replace(explanation, image=found[-1].image, registration=None).registered(source, target))
+        found.append(replace(explanation, image=found[-1].image, registration=None).registered(source, target, jobs))
     best = min(found, key=partial(misgivings, source, target))
     places = np.stack([best.positions, *(one.positions for one in found[-LAST:])])
     near = np.linalg.norm(places - best.positions, axis=2) <= TOGETHER * np.sqrt(target.area)
@@ -245,8 +248,10 @@ def contested(source: Surface, target: Surface, found: list[Explanation], jobs: 
     rivals = [one for one in found[:CONTENDERS] if one.badness - found[0].badness <= CONTEST]
 
     def strained(i: int, _: Progress) -> float:
-        image = target.proxy[plan_along(source, target, rivals[i].image).argmax(axis=1)]
-        return strain(source, target, sketched(source, target, image, rivals[i].hints))
+        plan, hints = plan_along(source, target, rivals[i].image), rivals[i].hints
+        there = sketched(source, target, target.proxy[plan.argmax(axis=1)], hints)
+        back = sketched(target, source, source.proxy[plan.argmax(axis=0)], hints and hints.inverse)
+        return (1 - BACK) * strain(source, target, there) + BACK * strain(target, source, back)
 
     if len(rivals) > 1:
         strains = each(strained, len(rivals), jobs, None)
@@ -257,8 +262,8 @@ def contested(source: Surface, target: Surface, found: list[Explanation], jobs: 
     if not judged:
         return []
     winner = replace(judged[0], differ=found[0].badness > HARD)
-    registration = settled(source, target, winner) if winner.differ else winner.registered(source, target, jobs)
-    return [replace(winner, registration=registration), *judged[1:]]
+    bent = settled(source, target, winner, jobs) if winner.differ else winner.registered(source, target, jobs)
+    return [replace(winner, registration=bent), *judged[1:]]
 
 
 def doubts(found: list[Explanation]) -> list[str]:

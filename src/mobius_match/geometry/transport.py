@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
 import numpy as np
+
+from ..compiling import jit
 
 SHARPNESS = 0.45
 """Temperature, as a fraction of the typical squared distance to the neighbour of number NEIGHBOUR."""
@@ -15,8 +15,8 @@ ITERATIONS = 10
 BALANCE = 0.8
 """How strictly the masses of the second set bind: 1 leaves no point of it over, 0 takes the nearest point alone."""
 
-ROWS, CANDIDATES = 64, 500
-"""Rows of a plan that are worked on at a time, and candidates for the images of further points."""
+CANDIDATES = 500
+"""How many candidates for the images of further points are worked on at a time."""
 
 
 class Transport:
@@ -47,31 +47,23 @@ class Transport:
         kernel = _squared_distances(self._first, second)
         self._nearest = kernel.min(axis=1)
         kernel -= self._nearest[:, None]
-        some = kernel[:: max(1, len(kernel) // 200)]
+        some = kernel[:: max(1, len(kernel) // 100)]
         number = min(neighbour, kernel.shape[1] - 1)
         self.temperature = SHARPNESS * float(np.median(np.partition(some, number, axis=1)[:, number])) + 1e-12
         self._to_kernel(kernel)
-        size1, size2 = map(np.float32, kernel.shape)
         received = np.ones(kernel.shape[1], np.float32)
-        for _ in range(ITERATIONS):
-            mass = np.zeros_like(received)
-            for block in _blocks(kernel):
-                mass += (1 / (block @ received)) @ block
-            received = (size1 / size2 / mass) ** self._balance
-        self._sent = 1 / (kernel @ received)
-        kernel *= self._sent[:, None]
-        kernel *= received
+        self._sent = np.empty(len(kernel), np.float32)
+        _balance(kernel, self._balance, received, self._sent)
         self.plan: np.ndarray = kernel
         """(p1, p2) float32: which part of each point's mass goes where; rows sum to 1."""
 
     def _to_kernel(self, squared: np.ndarray) -> None:
         """Squared distances beyond the nearest to what mass passes through, in place."""
-        for block in _blocks(squared):
-            np.maximum(block, 0, out=block)
-            block *= np.float32(-1 / self.temperature)
-            np.exp(block, out=block)
-            # The floor keeps every sum positive; it is far below what any match is worth.
-            block += np.float32(1e-20)
+        np.maximum(squared, 0, out=squared)
+        squared *= np.float32(-1 / self.temperature)
+        np.exp(squared, out=squared)
+        # The floor keeps every sum positive; it is far below what any match is worth.
+        squared += np.float32(1e-20)
 
     def images(self, queries: np.ndarray, candidates: np.ndarray) -> np.ndarray:
         """Where further points of the first space go among further points of the second: numbers (q,) int64.
@@ -100,9 +92,29 @@ class Transport:
         return found
 
 
-def _blocks(array: np.ndarray) -> Iterator[np.ndarray]:
-    """Some rows at a time, few enough to stay near the processor."""
-    return (array[start : start + ROWS] for start in range(0, len(array), ROWS))
+@jit(fastmath={"reassoc"})
+def _balance(kernel: np.ndarray, balance: np.float32, received: np.ndarray, sent: np.ndarray) -> None:
+    """What each point of the second set receives, (p2,), and the first sends, (p1,), and the kernel's rows times that.
+
+    Given ones, with which rows begin in balance.
+    """
+    share = np.float32(len(sent)) / np.float32(len(received))
+    mass = np.empty_like(received)
+    for iteration in range(ITERATIONS + 1):
+        mass[:] = np.float32(0)
+        for i in range(len(sent)):
+            row, through = kernel[i], np.float32(0)
+            for j in range(len(row)):
+                through += row[j] * received[j]
+            sent[i] = np.float32(1) / through
+            for j in range(len(row)):
+                mass[j] += sent[i] * row[j]
+        if iteration < ITERATIONS:
+            for j in range(len(received)):
+                received[j] = (share / mass[j]) ** balance
+    for i in range(len(sent)):
+        for j in range(len(received)):
+            kernel[i, j] *= sent[i] * received[j]
 
 
 def _squared_distances(first: np.ndarray, second: np.ndarray) -> np.ndarray:
