@@ -40,9 +40,9 @@ differ: contenders are begun in other ways, and the winner is bent until it sett
 COMPARED = 20
 """Number of eigenfunctions on which maps are compared with the Laplacian."""
 
-AGAIN, LAST, TOGETHER = 2, 2, 0.05
-"""How often the proxy is bent again, over how many of the last its positions are averaged, and how far from the best,
-per sqrt(area), one counts."""
+AGAIN, LAST, TOGETHER = 4, 3, 0.05
+"""How often the proxy is bent again, over how many of the last its positions are averaged, and how far from the very
+last, per sqrt(area), one counts."""
 
 WEIGHTS = {
     "distances": 5.0,
@@ -126,12 +126,14 @@ def settled(source: Surface, target: Surface, explanation: Explanation, jobs: in
     found = [explanation.registered(source, target, jobs)]
     if explanation.differ and explanation.registration is not None:
         return found[0]
+    seen = DIFFERENT if explanation.differ else ALIKE
     for _ in range(AGAIN):
-        found.append(replace(explanation, image=found[-1].image, registration=None).registered(source, target, jobs))
-    best = min(found, key=partial(misgivings, source, target))
-    places = np.stack([best.positions, *(one.positions for one in found[-LAST:])])
-    near = np.linalg.norm(places - best.positions, axis=2) <= TOGETHER * np.sqrt(target.area)
-    return replace(best, positions=np.einsum("kp,kpd->pd", near, places) / near.sum(axis=0)[:, None])
+        image = finer_targets(source, target, found[-1].image, source.proxy)
+        found.append(register(source, target, image, seen=seen, hints=explanation.hints))
+    last = found[-1]
+    places = np.stack([one.positions for one in found[-LAST:]])
+    near = np.linalg.norm(places - last.positions, axis=2) <= TOGETHER * np.sqrt(target.area)
+    return replace(last, positions=np.einsum("kp,kpd->pd", near, places) / near.sum(axis=0)[:, None])
 
 
 def explanations(
