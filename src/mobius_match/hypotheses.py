@@ -33,7 +33,7 @@ from .voting.tips import tip_groups
 
 badness_of = attrgetter("badness")
 
-UNSURE, HARD = 1.75, 2.0
+UNSURE, HARD = 1.5, 2.0
 """Badness of the best explanation above which the ends of limbs are tried, too; and above which the shapes are taken to
 differ: contenders are begun in other ways, and the winner is bent until it settles."""
 
@@ -41,8 +41,8 @@ COMPARED = 20
 """Number of eigenfunctions on which maps are compared with the Laplacian."""
 
 AGAIN, LAST, TOGETHER = 4, 3, 0.05
-"""How often the proxy is bent again, over how many of the last its positions are averaged, and how far from the very
-last, per sqrt(area), one counts."""
+"""How often the proxy is bent again, over how many of the last its positions are averaged, and how far from the best,
+per sqrt(area), one counts."""
 
 WEIGHTS = {
     "distances": 5.0,
@@ -130,10 +130,11 @@ def settled(source: Surface, target: Surface, explanation: Explanation, jobs: in
     for _ in range(AGAIN):
         image = finer_targets(source, target, found[-1].image, source.proxy)
         found.append(register(source, target, image, seen=seen, hints=explanation.hints))
-    last = found[-1]
-    places = np.stack([one.positions for one in found[-LAST:]])
-    near = np.linalg.norm(places - last.positions, axis=2) <= TOGETHER * np.sqrt(target.area)
-    return replace(last, positions=np.einsum("kp,kpd->pd", near, places) / near.sum(axis=0)[:, None])
+    # Where shapes differ, what is strained least is not what is right.
+    best = found[-1] if explanation.differ else min(found, key=partial(misgivings, source, target))
+    places = np.stack([best.positions, *(one.positions for one in found[-LAST:])])
+    near = np.linalg.norm(places - best.positions, axis=2) <= TOGETHER * np.sqrt(target.area)
+    return replace(best, positions=np.einsum("kp,kpd->pd", near, places) / near.sum(axis=0)[:, None])
 
 
 def explanations(
