@@ -47,7 +47,7 @@ class Transport:
         kernel = _squared_distances(self._first, second)
         self._nearest = kernel.min(axis=1)
         kernel -= self._nearest[:, None]
-        some = kernel[:: max(1, len(kernel) // 100)]
+        some = kernel[:: max(1, len(kernel) // 200)]
         number = min(neighbour, kernel.shape[1] - 1)
         self.temperature = SHARPNESS * float(np.median(np.partition(some, number, axis=1)[:, number])) + 1e-12
         self._to_kernel(kernel)
