@@ -21,8 +21,10 @@ from scipy.spatial import cKDTree
 import mobius_match as mm
 from mobius_match.evaluation import Case
 from mobius_match.evaluation.metrics import geodesic_distances
-from mobius_match.evaluation.scoring import Scorer, cached_diameter, mesh_area
+from mobius_match.evaluation.scoring import Scorer, cached_diameter, mesh_area, places_of
+from mobius_match.evaluation.summary import CLOSE, FEW, MANY
 from mobius_match.geometry.geodesics import edge_graph
+from mobius_match.geometry.rotations import nearest_rotations
 
 AROUND, CLOSEST = 7, 0.01
 """Known points that the truth is carried on from, and the distance per sqrt(area) below which all weigh the same."""
@@ -42,20 +44,19 @@ def carried(source: mm.Mesh, target: mm.Mesh, known: np.ndarray, images: np.ndar
         weights = 1 / (apart[i, some] + close)
         here = source.vertices[known[some]] - source.vertices[vertices[i]]
         places[i] = _origin_after(here, target.vertices[images[some]], weights / weights.sum())
-    exact = apart.min(axis=1) == 0
-    places[exact] = target.vertices[images[nearest[exact, 0]]]
-    return cKDTree(target.vertices).query(places)[1], apart.min(axis=1)
+    least = apart.min(axis=1)
+    places[least == 0] = target.vertices[images[nearest[least == 0, 0]]]
+    return cKDTree(target.vertices).query(places)[1], least
 
 
 def _origin_after(here: np.ndarray, there: np.ndarray, weights: np.ndarray) -> np.ndarray:
     """Where the similarity that takes points to points (k, 3) takes the origin (Umeyama 1991)."""
     middle, goal = weights @ here, weights @ there
     first, second = here - middle, there - goal
-    left, stretches, right = np.linalg.svd((weights[:, None] * first).T @ second)
-    stretches[2] *= np.sign(np.linalg.det(left @ right))
-    right[2] *= np.sign(np.linalg.det(left @ right))
-    scale = stretches.sum() / (weights @ (first**2).sum(axis=1))
-    return goal - scale * middle @ left @ right
+    product = (weights[:, None] * first).T @ second
+    turn = nearest_rotations(product[None])[0]
+    scale = (turn * product).sum() / (weights @ (first**2).sum(axis=1))
+    return goal - scale * middle @ turn
 
 
 def errors_of(case: Case, method: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -66,10 +67,7 @@ def errors_of(case: Case, method: str) -> tuple[np.ndarray, np.ndarray, np.ndarr
     plain = scorer.score(result.pairs, result.confidence)["direct"]
     truth = scorer.truth
     known, first = np.unique(truth.source, return_index=True)
-    here, there = (
-        np.argsort(mesh.vertex_ids)[np.searchsorted(np.sort(mesh.vertex_ids), result.pairs[:, side])]
-        for side, mesh in enumerate((source, target))
-    )
+    here, there = places_of(source, result.pairs[:, 0]), places_of(target, result.pairs[:, 1])
     places, apart = carried(source, target, known, truth.target[first], here)
     errors = geodesic_distances(target, there, places, method) / scorer.diameter
     return plain, errors, apart / cached_diameter(source, method)
@@ -87,8 +85,8 @@ def main() -> None:
     )
     for number, name in enumerate(("the nearest known point", "carried on")):
         lists = [one[number] for one in found]
-        first15 = np.mean([len(one) >= 15 and (one[:15] <= 0.03).all() for one in lists])
-        means = [np.mean([one[:count].mean() for one in lists]) for count in (15, 45)]
+        first15 = np.mean([len(one) >= FEW and (one[:FEW] <= CLOSE).all() for one in lists])
+        means = [np.mean([one[:count].mean() for one in lists]) for count in (FEW, MANY)]
         print(f"{name}: first 15 {means[0]:.4f}, first 45 {means[1]:.4f}, first 15 within 3 %: {first15:.0%}")
 
 

@@ -96,15 +96,20 @@ class Explanation:
     differ: bool = False
     hints: Hints | None = None
 
+    @property
+    def seen(self) -> tuple[float, float]:
+        """What descriptors and curvatures count when the source is bent along it."""
+        return DIFFERENT if self.differ else ALIKE
+
     def registered(self, source: Surface, target: Surface, jobs: int | None = 1) -> Registration:
         """The source bent onto the target along this explanation."""
         if self.registration is not None:
             return self.registration
-        image, seen = finer_targets(source, target, self.image, source.proxy), DIFFERENT if self.differ else ALIKE
+        image = finer_targets(source, target, self.image, source.proxy)
         # A piece that was torn off by a few wrong points beside it is better believed.
         ways = (True, False) if is_torn(source, target, image) else (True,)
         found = each(
-            lambda i, _: register(source, target, image, freeing=ways[i], seen=seen, hints=self.hints),
+            lambda i, _: register(source, target, image, freeing=ways[i], seen=self.seen, hints=self.hints),
             len(ways),
             jobs,
             None,
@@ -123,13 +128,12 @@ def settled(source: Surface, target: Surface, explanation: Explanation, jobs: in
 
     A map that began badly gets better so, and what a single one is off along a limb averages out.
     """
-    found = [explanation.registered(source, target, jobs)]
     if explanation.differ and explanation.registration is not None:
-        return found[0]
-    seen = DIFFERENT if explanation.differ else ALIKE
+        return explanation.registration
+    found = [explanation.registered(source, target, jobs)]
     for _ in range(AGAIN):
         image = finer_targets(source, target, found[-1].image, source.proxy)
-        found.append(register(source, target, image, seen=seen, hints=explanation.hints))
+        found.append(register(source, target, image, seen=explanation.seen, hints=explanation.hints))
     # Where shapes differ, what is strained least is not what is right.
     best = found[-1] if explanation.differ else min(found, key=partial(misgivings, source, target))
     places = np.stack([best.positions, *(one.positions for one in found[-LAST:])])

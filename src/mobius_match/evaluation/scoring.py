@@ -50,9 +50,9 @@ class Scorer:
     def truth(self) -> Truth:
         """The truth in numbers of the repaired meshes, without points that the repair left out."""
         given = self.case.truth
-        source, target = _places(self.source, given.source), _places(self.target, given.target)
+        source, target = places_of(self.source, given.source), places_of(self.target, given.target)
         there = (source >= 0) & (target >= 0)
-        mirrored = None if given.mirrored is None else _places(self.target, given.mirrored)
+        mirrored = None if given.mirrored is None else places_of(self.target, given.mirrored)
         if mirrored is not None:
             there &= mirrored >= 0
             mirrored = mirrored[there]
@@ -70,7 +70,7 @@ class Scorer:
         sources lie apart as error; nothing is subtracted.
         """
         truth = self.truth
-        first, second = _places(self.source, pairs[:, 0]), _places(self.target, pairs[:, 1])
+        first, second = places_of(self.source, pairs[:, 0]), places_of(self.target, pairs[:, 1])
         if truth.landmarks:
             solver = geodesic_solver(unit_box(self.source.vertices), self.source.faces, "heat")
             points = np.arange(len(truth.source))
@@ -121,7 +121,7 @@ class Scorer:
         truth = self.truth
         predicted = dense[self.source.vertex_ids[truth.source]]
         mapped = predicted >= 0
-        predicted[mapped] = _places(self.target, predicted[mapped])
+        predicted[mapped] = places_of(self.target, predicted[mapped])
         points = np.flatnonzero(predicted >= 0)
         if not len(points):
             raise FormatError(f"{name}: the map gives no point of known correspondence a vertex on a face")
@@ -158,7 +158,7 @@ def _mean_of_each(values: np.ndarray, places: np.ndarray, length: int) -> np.nda
     return np.divide(total, number, out=np.full(length, np.nan), where=number > 0)
 
 
-def _places(mesh: Mesh, numbers: np.ndarray) -> np.ndarray:
+def places_of(mesh: Mesh, numbers: np.ndarray) -> np.ndarray:
     """Vertices of a repaired mesh by their numbers in the user's file; -1 where the repair left one out."""
     outside = (numbers < 0) | (numbers >= mesh.n_file_vertices)
     if outside.any():

@@ -51,9 +51,7 @@ class Transport:
         number = min(neighbour, kernel.shape[1] - 1)
         self.temperature = SHARPNESS * float(np.median(np.partition(some, number, axis=1)[:, number])) + 1e-12
         self._to_kernel(kernel)
-        received = np.ones(kernel.shape[1], np.float32)
-        self._sent = np.empty(len(kernel), np.float32)
-        _balance(kernel, self._balance, received, self._sent)
+        self._sent = _balance(kernel, self._balance)
         self.plan: np.ndarray = kernel
         """(p1, p2) float32: which part of each point's mass goes where; rows sum to 1."""
 
@@ -93,12 +91,10 @@ class Transport:
 
 
 @jit(fastmath={"reassoc"})
-def _balance(kernel: np.ndarray, balance: np.float32, received: np.ndarray, sent: np.ndarray) -> None:
-    """What each point of the second set receives, (p2,), and the first sends, (p1,), and the kernel's rows times that.
-
-    Given ones, with which rows begin in balance.
-    """
-    share = np.float32(len(sent)) / np.float32(len(received))
+def _balance(kernel: np.ndarray, balance: np.float32) -> np.ndarray:
+    """Turn the kernel (p1, p2) into the plan, in place, and tell what the rows had to be multiplied by, (p1,)."""
+    share = np.float32(kernel.shape[0]) / np.float32(kernel.shape[1])
+    received, sent = np.ones(kernel.shape[1], np.float32), np.empty(kernel.shape[0], np.float32)
     mass = np.empty_like(received)
     for iteration in range(ITERATIONS + 1):
         mass[:] = np.float32(0)
@@ -107,14 +103,14 @@ def _balance(kernel: np.ndarray, balance: np.float32, received: np.ndarray, sent
             for j in range(len(row)):
                 through += row[j] * received[j]
             sent[i] = np.float32(1) / through
+            if iteration == ITERATIONS:  # the rows end in balance
+                row *= sent[i] * received
+                continue
             for j in range(len(row)):
                 mass[j] += sent[i] * row[j]
         if iteration < ITERATIONS:
-            for j in range(len(received)):
-                received[j] = (share / mass[j]) ** balance
-    for i in range(len(sent)):
-        for j in range(len(received)):
-            kernel[i, j] *= sent[i] * received[j]
+            received[:] = (share / mass) ** balance
+    return sent
 
 
 def _squared_distances(first: np.ndarray, second: np.ndarray) -> np.ndarray:
