@@ -49,7 +49,7 @@ def map_along(source: Surface, target: Surface, explanation: Explanation) -> Sur
     slimness, other = (surface.normalized_distances.mean() for surface in (source, target))
     if other <= SLIMMER * slimness:
         return dense_map(source, target, settled(source, target, explanation))
-    image = source.proxy[plan_along(source, target, explanation.image).argmax(axis=0)]
+    image = source.proxy[plan_along(source, target, explanation.registered(source, target).image).argmax(axis=0)]
     hints = explanation.hints and explanation.hints.inverse
     turned_round = replace(explanation, image=image, registration=None, hints=hints)
     return dense_map(target, source, settled(target, source, turned_round)).inverse
