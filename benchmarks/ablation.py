@@ -21,7 +21,7 @@ from unittest.mock import patch
 import numpy as np
 
 import mobius_match as mm
-from mobius_match import confidence, hypotheses, registration, spreading
+from mobius_match import confidence, evidence, hypotheses, registration, spreading
 from mobius_match.correspondence import write_atomically
 from mobius_match.errors import FormatError
 from mobius_match.evaluation import Case, find_dataset, summary
@@ -63,7 +63,7 @@ Patches = Callable[[], AbstractContextManager[Any]]
 
 def weights(**changed: float) -> Patches:
     names = {name.replace("_", " "): value for name, value in changed.items()}
-    return lambda: patch.dict(hypotheses.WEIGHTS, names)
+    return lambda: patch.dict(evidence.WEIGHTS, names)
 
 
 def constant(module: Any, name: str, value: Any) -> Patches:
@@ -95,7 +95,7 @@ WITHOUT: dict[str, tuple[dict[str, Any], Patches]] = {
     ),
     **{
         f"choice: {kind}": ({}, weights(**{kind.replace(" ", "_"): 0.0}))
-        for kind in hypotheses.WEIGHTS
+        for kind in evidence.WEIGHTS
         if kind != "landmarks"
     },
     "choice: strain of close ones": ({}, constant(hypotheses, "CONTENDERS", 1)),

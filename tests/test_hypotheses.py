@@ -7,15 +7,8 @@ import pytest
 
 import mobius_match as mm
 from mobius_match import examples
-from mobius_match.hypotheses import (
-    HARD,
-    WEIGHTS,
-    Explanation,
-    compare,
-    contested,
-    explanations,
-    settled,
-)
+from mobius_match.evidence import WEIGHTS, compare
+from mobius_match.hypotheses import HARD, Explanation, contested, explanations, settled
 from mobius_match.settings import MatchSettings
 from mobius_match.spreading import finer_targets, spread
 from mobius_match.voting import cast_votes

@@ -3,8 +3,8 @@
 Beyond the paper. On shapes that are nearly symmetric, or far from isometric, a wrong explanation (front taken for
 back, head for feet) can gain more votes than the right one. The best triplets are grouped by where they send the
 surface; each group's matches are extended to a map of the whole surface by spectral upsampling (Melzi et al. 2019) that
-leaves no part of the target over, and the maps are compared by what the votes do not see: distances over all pairs,
-the Laplacian, curvature. Where none fits well, the ends of limbs make triplets of their own.
+leaves no part of the target over, and the maps are compared by what the votes do not see (`evidence.py`). Where none
+fits well, the ends of limbs make triplets of their own.
 """
 
 from __future__ import annotations
@@ -16,9 +16,7 @@ from operator import attrgetter
 
 import numpy as np
 
-from .geometry.curvature import rank_correlation
-from .geometry.geodesics import nearest_centres
-from .geometry.spectral import functional_map
+from .evidence import compare, misgivings, weighted
 from .hints import ASTRAY, Hints
 from .mobius import homogeneous
 from .preparing import each
@@ -37,21 +35,9 @@ UNSURE, HARD = 1.5, 2.0
 """Badness of the best explanation above which the ends of limbs are tried, too; and above which the shapes are taken to
 differ: contenders are begun in other ways, and the winner is bent until it settles."""
 
-COMPARED = 20
-"""Number of eigenfunctions on which maps are compared with the Laplacian."""
-
 AGAIN, LAST, TOGETHER = 4, 3, 0.05
 """How often the proxy is bent again, over how many of the last its positions are averaged, and how far from the best,
 per sqrt(area), one counts."""
-
-WEIGHTS = {
-    "distances": 5.0,
-    "laplacian": 3.0,
-    "mean curvature": 1.0,
-    "gauss curvature": 3.0,
-    "landmarks": 20.0,
-}
-"""What each kind of evidence counts; "landmarks" is how far known pairs are sent elsewhere, where there are any."""
 
 CONTEST, CONTENDERS = 1.5, 4
 """Difference of badness up to which explanations are compared once more, and how many at most."""
@@ -115,12 +101,6 @@ class Explanation:
             None,
         )
         return found[0] if len(found) == 1 else min(found, key=partial(misgivings, source, target))
-
-
-def misgivings(source: Surface, target: Surface, registration: Registration) -> float:
-    """What speaks against the source bent in one way, to be compared with another: its strain, and what maps tell."""
-    place = nearest_centres(target.mesh.vertices, target.mesh.faces, target.proxy)
-    return strain(source, target, registration) + weighted(compare(source, target, place[registration.image]))
 
 
 def settled(source: Surface, target: Surface, explanation: Explanation, jobs: int | None = 1) -> Registration:
@@ -284,33 +264,3 @@ def doubts(found: list[Explanation]) -> list[str]:
         f"another explanation of the two shapes is nearly as good (it lost by {margin:.2f}; below {CLOSE} is close): "
         "look at the matches, and at the alternatives"
     ]
-
-
-def compare(source: Surface, target: Surface, image: np.ndarray, step: int = 1) -> dict[str, float]:
-    """Evidence against a map of the proxy, or of every so many-th point of it, to the target's; 0 is perfect."""
-    some = source.proxy[::step]
-    # A sample and its image are replaced by the nearest points that distances are known from.
-    mine = source.proxy_distances[:, ::step] / np.sqrt(source.area)
-    theirs = target.proxy_distances / np.sqrt(target.area)
-    landing = theirs[:, image[mine.argmin(axis=1)]].argmin(axis=0)
-    transfer = functional_map(
-        source.eigenfunctions[some, :COMPARED], target.eigenfunctions[target.proxy[image], :COMPARED]
-    )
-    low, high = source.eigenvalues[: transfer.shape[0]], target.eigenvalues[: transfer.shape[1]]
-    gauss, mean = (
-        1 - rank_correlation(source.curvatures[row, some], target.curvatures[row, target.proxy[image]])
-        for row in (0, 2)
-    )
-    return {
-        "distances": float(np.abs(np.log((mine + 0.1) / (theirs[landing][:, image] + 0.1))).mean()),
-        "laplacian": float(
-            np.linalg.norm(transfer * high - low[:, None] * transfer) / np.linalg.norm(low[:, None] * transfer)
-        ),
-        "mean curvature": mean,
-        "gauss curvature": gauss,
-    }
-
-
-def weighted(evidence: dict[str, float]) -> float:
-    """The weighted sum of evidence: how bad an explanation is."""
-    return sum(WEIGHTS[kind] * value for kind, value in evidence.items())
