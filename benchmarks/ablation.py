@@ -99,7 +99,6 @@ WITHOUT: dict[str, tuple[dict[str, Any], Patches]] = {
         if kind != "landmarks"
     },
     "choice: strain of close ones": ({}, constant(hypotheses, "CONTENDERS", 1)),
-    "choice: strain of the target": ({}, constant(hypotheses, "BACK", 0.0)),
     "ends of limbs, where nothing fits well": ({}, constant(hypotheses, "UNSURE", np.inf)),
     "other starts, weights and settling, where shapes differ": ({}, constant(hypotheses, "HARD", np.inf)),
     "settling, where shapes differ": ({}, constant(hypotheses, "AGAIN", 0)),

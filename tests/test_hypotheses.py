@@ -150,14 +150,15 @@ def test_contenders_are_compared_once_more_by_how_much_they_stretch(surface):
     assert contested(surface, surface, []) == []
 
 
-def test_contenders_are_bent_both_ways(surface, monkeypatch):
-    """What the target bent onto the source tells weighs a third."""
+def test_contenders_are_bent_in_haste_and_with_care(surface, monkeypatch):
+    """Both weigh the same; the winner keeps what was bent with care."""
     right = Explanation(surface.proxy, {}, 0.0, 1.0)
     wrong = replace(right, image=np.roll(surface.proxy, 5), badness=0.1)
-    monkeypatch.setattr("mobius_match.hypotheses.sketched", lambda source, *_: source)
-    copy = replace(surface)
-    monkeypatch.setattr("mobius_match.hypotheses.strain", lambda source, *_: calls.append(source) or len(calls))
+    monkeypatch.setattr("mobius_match.hypotheses.sketched", lambda *_: "in haste")
+    monkeypatch.setattr("mobius_match.hypotheses.strain", lambda _, __, bent: calls.append(bent) or 2 ** len(calls))
     calls = []
-    judged = contested(surface, copy, [right, wrong])
-    assert [one is copy for one in calls] == [False, True, False, True]
-    assert judged[1].evidence["strain"] == pytest.approx((3 - 1) * 2 / 3 + (4 - 2) / 3)
+    judged = contested(surface, surface, [right, wrong])
+    assert [one == "in haste" for one in calls] == [True, False, True, False]
+    assert judged[1].evidence["strain"] == (8 + 16) / 2 - (2 + 4) / 2
+    assert judged[0].image is right.image
+    assert judged[0].registration is calls[1]

@@ -42,9 +42,6 @@ per sqrt(area), one counts."""
 CONTEST, CONTENDERS = 1.5, 4
 """Difference of badness up to which explanations are compared once more, and how many at most."""
 
-BACK = 1 / 3
-"""What it counts there how the target is bent onto the source, of how either is."""
-
 TIPPED = 5
 """Of how many likely ways to match tips an explanation is made, where no other fits well."""
 
@@ -103,14 +100,21 @@ class Explanation:
         return found[0] if len(found) == 1 else min(found, key=partial(misgivings, source, target))
 
 
-def settled(source: Surface, target: Surface, explanation: Explanation, jobs: int | None = 1) -> Registration:
+def settled(
+    source: Surface,
+    target: Surface,
+    explanation: Explanation,
+    jobs: int | None = 1,
+    begun: Registration | None = None,
+) -> Registration:
     """The source's proxy bent along an explanation again and again, each time from where it had come to lie.
 
-    A map that began badly gets better so, and what a single one is off along a limb averages out.
+    A map that began badly gets better so, and what a single one is off along a limb averages out. The first time may
+    have been ``begun``.
     """
     if explanation.differ and explanation.registration is not None:
         return explanation.registration
-    found = [explanation.registered(source, target, jobs)]
+    found = [begun or explanation.registered(source, target, jobs)]
     for _ in range(AGAIN):
         image = finer_targets(source, target, found[-1].image, source.proxy)
         found.append(register(source, target, image, seen=explanation.seen, hints=explanation.hints))
@@ -228,29 +232,31 @@ def heeding(
 def contested(source: Surface, target: Surface, found: list[Explanation], jobs: int | None = 1) -> list[Explanation]:
     """Explanations, best first, after those that are close have been compared once more: by how the source is bent.
 
-    What is right on the whole and wrong at a limb shows when the surface is bent, which takes long; so only contenders
-    are. Their badness changes by how much worse they are bent than the first of them. The winner has been bent, where
-    shapes differ until it settled.
+    What is right on the whole and wrong at a limb shows when the surface is bent in haste, and what is wrong on the
+    whole when it is bent with care. Both take long; so only contenders are. Their badness changes by how much worse
+    they are bent than the first of them. The winner has been bent, where shapes differ until it settled.
     """
-    rivals = [one for one in found[:CONTENDERS] if one.badness - found[0].badness <= CONTEST]
+    if not found:
+        return []
+    differ = found[0].badness > HARD
+    close = [one for one in found[:CONTENDERS] if one.badness - found[0].badness <= CONTEST]
+    bent = each(lambda i, _: replace(close[i], differ=differ).registered(source, target, jobs), len(close), jobs, None)
 
     def strained(i: int, _: Progress) -> float:
-        plan, hints = plan_along(source, target, rivals[i].image), rivals[i].hints
-        there = sketched(source, target, target.proxy[plan.argmax(axis=1)], hints)
-        back = sketched(target, source, source.proxy[plan.argmax(axis=0)], hints and hints.inverse)
-        return (1 - BACK) * strain(source, target, there) + BACK * strain(target, source, back)
+        image = target.proxy[plan_along(source, target, close[i].image).argmax(axis=1)]
+        hasty = sketched(source, target, image, close[i].hints)
+        return (strain(source, target, hasty) + strain(source, target, bent[i])) / 2
 
+    rivals = list(close)
     if len(rivals) > 1:
         strains = each(strained, len(rivals), jobs, None)
         for i, more in enumerate(np.subtract(strains, strains[0]).tolist()):
             evidence = rivals[i].evidence | {"strain": more}
             rivals[i] = replace(rivals[i], evidence=evidence, badness=rivals[i].badness + more)
-    judged = sorted(rivals + found[len(rivals) :], key=badness_of)
-    if not judged:
-        return []
-    winner = replace(judged[0], differ=found[0].badness > HARD)
-    bent = settled(source, target, winner, jobs) if winner.differ else winner.registered(source, target, jobs)
-    return [replace(winner, registration=bent), *judged[1:]]
+    first = min(range(len(rivals)), key=lambda i: rivals[i].badness)
+    winner, begun = replace(rivals.pop(first), differ=differ), bent[first]
+    winner = replace(winner, registration=settled(source, target, winner, jobs, begun) if differ else begun)
+    return [winner, *sorted(rivals + found[len(close) :], key=badness_of)]
 
 
 def doubts(found: list[Explanation]) -> list[str]:
