@@ -151,14 +151,15 @@ def test_contenders_are_compared_once_more_by_how_much_they_stretch(surface):
 
 
 def test_contenders_are_bent_in_haste_and_with_care(surface, monkeypatch):
-    """Both weigh the same; the winner keeps what was bent with care."""
+    """Both weigh the same, but who is hopeless in haste is left at that; the winner keeps what was bent with care."""
     right = Explanation(surface.proxy, {}, 0.0, 1.0)
-    wrong = replace(right, image=np.roll(surface.proxy, 5), badness=0.1)
+    rivals = [right, *(replace(right, image=np.roll(surface.proxy, i), badness=0.1) for i in (5, 9))]
+    strains = iter([2.0, 4.0, 6.0, 20.0, 30.0])
     monkeypatch.setattr("mobius_match.hypotheses.sketched", lambda *_: "in haste")
-    monkeypatch.setattr("mobius_match.hypotheses.strain", lambda _, __, bent: calls.append(bent) or 2 ** len(calls))
+    monkeypatch.setattr("mobius_match.hypotheses.strain", lambda _, __, bent: calls.append(bent) or next(strains))
     calls = []
-    judged = contested(surface, surface, [right, wrong])
-    assert [one == "in haste" for one in calls] == [True, False, True, False]
-    assert judged[1].evidence["strain"] == (8 + 16) / 2 - (2 + 4) / 2
+    judged = contested(surface, surface, rivals)
+    assert [one == "in haste" for one in calls] == [True, True, True, False, False]
+    assert [one.evidence["strain"] for one in judged] == [0, 6 - 2, (4 - 2 + 30 - 20) / 2]
     assert judged[0].image is right.image
-    assert judged[0].registration is calls[1]
+    assert judged[0].registration is calls[3]

@@ -42,6 +42,9 @@ per sqrt(area), one counts."""
 CONTEST, CONTENDERS = 1.5, 4
 """Difference of badness up to which explanations are compared once more, and how many at most."""
 
+HOPELESS = 3.0
+"""By how much one is worse than another after it was bent in haste to be left at that."""
+
 TIPPED = 5
 """Of how many likely ways to match tips an explanation is made, where no other fits well."""
 
@@ -84,11 +87,20 @@ class Explanation:
         """What descriptors and curvatures count when the source is bent along it."""
         return DIFFERENT if self.differ else ALIKE
 
+    def begun(self, source: Surface, target: Surface, image: np.ndarray) -> np.ndarray:
+        """Target vertices (P1,) that the source's proxy is drawn to at first, from a map of it (P1,).
+
+        Where shapes differ, what leaves nothing of the target over is better than what is finer than its proxy.
+        """
+        if self.differ:
+            return np.asarray(target.proxy[plan_along(source, target, image).argmax(axis=1)])
+        return finer_targets(source, target, image, source.proxy)
+
     def registered(self, source: Surface, target: Surface, jobs: int | None = 1) -> Registration:
         """The source bent onto the target along this explanation."""
         if self.registration is not None:
             return self.registration
-        image = finer_targets(source, target, self.image, source.proxy)
+        image = self.begun(source, target, self.image)
         # A piece that was torn off by a few wrong points beside it is better believed.
         ways = (True, False) if is_torn(source, target, image) else (True,)
         found = each(
@@ -116,7 +128,7 @@ def settled(
         return explanation.registration
     found = [begun or explanation.registered(source, target, jobs)]
     for _ in range(AGAIN):
-        image = finer_targets(source, target, found[-1].image, source.proxy)
+        image = explanation.begun(source, target, found[-1].image)
         found.append(register(source, target, image, seen=explanation.seen, hints=explanation.hints))
     # Where shapes differ, what is strained least is not what is right.
     best = found[-1] if explanation.differ else min(found, key=partial(misgivings, source, target))
@@ -239,24 +251,30 @@ def contested(source: Surface, target: Surface, found: list[Explanation], jobs: 
     if not found:
         return []
     differ = found[0].badness > HARD
-    close = [one for one in found[:CONTENDERS] if one.badness - found[0].badness <= CONTEST]
-    bent = each(lambda i, _: replace(close[i], differ=differ).registered(source, target, jobs), len(close), jobs, None)
+    rivals = [one for one in found[:CONTENDERS] if one.badness - found[0].badness <= CONTEST]
 
-    def strained(i: int, _: Progress) -> float:
-        image = target.proxy[plan_along(source, target, close[i].image).argmax(axis=1)]
-        hasty = sketched(source, target, image, close[i].hints)
-        return (strain(source, target, hasty) + strain(source, target, bent[i])) / 2
+    def hasty(i: int, _: Progress) -> float:
+        image = target.proxy[plan_along(source, target, rivals[i].image).argmax(axis=1)]
+        return strain(source, target, sketched(source, target, image, rivals[i].hints))
 
-    rivals = list(close)
+    strains = np.array(each(hasty, len(rivals), jobs, None) if len(rivals) > 1 else [0.0])
+    totals = strains + [one.badness for one in rivals]
+    least, likely = int(totals.argmin()), np.flatnonzero(totals <= totals.min() + HOPELESS).tolist()
+    contenders = [replace(rivals[i], differ=differ) for i in likely]
+    bent = each(lambda k, _: contenders[k].registered(source, target, jobs), len(likely), jobs, None)
+    # Each way weighs half; haste alone tells of the hopeless. As differences, since careful bending strains less.
+    careful = np.array([strain(source, target, one) for one in bent])
+    strains -= strains[least]
+    strains[likely] = (strains[likely] + careful - careful[likely.index(least)]) / 2
     if len(rivals) > 1:
-        strains = each(strained, len(rivals), jobs, None)
-        for i, more in enumerate(np.subtract(strains, strains[0]).tolist()):
+        for i, more in enumerate((strains - strains[0]).tolist()):
             evidence = rivals[i].evidence | {"strain": more}
             rivals[i] = replace(rivals[i], evidence=evidence, badness=rivals[i].badness + more)
-    first = min(range(len(rivals)), key=lambda i: rivals[i].badness)
-    winner, begun = replace(rivals.pop(first), differ=differ), bent[first]
+    first = min(likely, key=lambda i: rivals[i].badness)
+    winner, begun = replace(rivals[first], differ=differ), bent[likely.index(first)]
     winner = replace(winner, registration=settled(source, target, winner, jobs, begun) if differ else begun)
-    return [winner, *sorted(rivals + found[len(close) :], key=badness_of)]
+    others = [*rivals[:first], *rivals[first + 1 :], *found[len(rivals) :]]
+    return [winner, *sorted(others, key=badness_of)]
 
 
 def doubts(found: list[Explanation]) -> list[str]:
