@@ -15,7 +15,7 @@ from mobius_match.geometry.geodesics import geodesic_solver
 from mobius_match.locating import Pair, Place
 from mobius_match.mesh.topology import components
 from mobius_match.partial import is_part, part_places
-from mobius_match.placing import support
+from mobius_match.placing import MARGIN, TORN, chances, support
 from mobius_match.registration import vertex_normals
 from mobius_match.voting.agreement import BATCH, Paths, agreement, as_far
 from tests.shapes import bent, grid, icosphere, lump, rotation
@@ -183,6 +183,19 @@ def test_rivals_share_the_chances():
     clear = replace(place, rivals=[(1.0, apart[0])])
     np.testing.assert_allclose(support(clear), 1, atol=1e-6)
     assert support(replace(place, rivals=[])).tolist() == [1, 1, 1]
+
+
+def test_what_is_torn_off_or_next_to_the_cut_has_no_chance(monkeypatch):
+    """However well the rest speaks for it."""
+    good = {"distances": 0.0, "misfit": 0.0, "cut": 0.5, "badness": 0.5, "curvature": 0.0, "stretch": 0.0}
+    found = {kind: np.full(4, value) for kind, value in good.items()}
+    found["distances"][1:3] = 0.9 * TORN, 1.1 * TORN
+    found["cut"][3] = 0.9 * MARGIN
+    monkeypatch.setattr("mobius_match.placing.evidence", lambda *_: found)
+    closed = SimpleNamespace(whole=mm.prepare(icosphere(2)))
+    place = Place(SimpleNamespace(image=np.arange(4)), 1.0, [])
+    assert (chances(closed, place) > 0.5).tolist() == [True, True, False, False]
+    assert chances(closed, place)[2:].tolist() == [0, 0]
 
 
 def vase(turns, height=36):

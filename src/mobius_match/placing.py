@@ -29,6 +29,9 @@ OPEN = 0.15
 MARGIN = 0.035
 """Distance from the cut below which no match is reported: what is sent there may as well lie beyond it."""
 
+TORN = 0.3
+"""How much distances around a place disagree, in the mean, above which it has been torn off what lies beside it."""
+
 EVEN, ELSEWHERE = 0.05, 0.05
 """By how much a rival must be worse to count 1 / e, and the distance from which it sends a vertex elsewhere."""
 
@@ -70,7 +73,7 @@ def chances(pair: Pair, place: Place) -> np.ndarray:
     """The chance (P1,) float64 in [0, 1] that the place of each vertex of the part's proxy is right."""
     found = evidence(pair, place)
     score = OFFSET + sum(slope * np.log(found[kind] + FLOOR) for kind, slope in SLOPES.items())
-    inside = found["cut"] >= MARGIN
+    inside = (found["cut"] >= MARGIN) & (found["distances"] <= TORN)
     if openness(pair.whole) > OPEN:  # what it lacks in its turn is pressed against its rim
         inside &= to_rim(pair.whole, place.registration.positions) >= MARGIN * np.sqrt(pair.whole.area)
     return np.where(inside, support(place) / (1 + np.exp(-score)), 0.0)
