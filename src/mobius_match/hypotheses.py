@@ -22,7 +22,7 @@ from .mobius import homogeneous
 from .preparing import each
 from .registration import ALIKE, DIFFERENT, Registration, is_torn, register, sketched, strain
 from .settings import MatchSettings
-from .spreading import ROUGH, finer_targets, plan_along, rough_image, spread
+from .spreading import ROUGH, even_targets, finer_targets, rough_image, spread
 from .surface import Progress, Surface
 from .voting import Votes, cast_votes
 from .voting.groups import GROUP_RADIUS, agreed_matches, group_triplets, purest_half
@@ -93,7 +93,7 @@ class Explanation:
         Where shapes differ, what leaves nothing of the target over is better than what is finer than its proxy.
         """
         if self.differ:
-            return np.asarray(target.proxy[plan_along(source, target, image).argmax(axis=1)])
+            return even_targets(source, target, image)
         return finer_targets(source, target, image, source.proxy)
 
     def registered(self, source: Surface, target: Surface, jobs: int | None = 1) -> Registration:
@@ -254,7 +254,7 @@ def contested(source: Surface, target: Surface, found: list[Explanation], jobs: 
     rivals = [one for one in found[:CONTENDERS] if one.badness - found[0].badness <= CONTEST]
 
     def hasty(i: int, _: Progress) -> float:
-        image = target.proxy[plan_along(source, target, rivals[i].image).argmax(axis=1)]
+        image = even_targets(source, target, rivals[i].image)
         return strain(source, target, sketched(source, target, image, rivals[i].hints))
 
     strains = np.array(each(hasty, len(rivals), jobs, None) if len(rivals) > 1 else [0.0])

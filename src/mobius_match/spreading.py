@@ -100,6 +100,11 @@ def finer_targets(source: Surface, target: Surface, image: np.ndarray, vertices:
     )
 
 
+def even_targets(source: Surface, target: Surface, image: np.ndarray) -> np.ndarray:
+    """The same for the source's proxy, (P1,), to points of the target's proxy alone, of which nothing is left over."""
+    return np.asarray(target.proxy[plan_along(source, target, image).argmax(axis=1)])
+
+
 def plan_along(source: Surface, target: Surface, image: np.ndarray) -> np.ndarray:
     """Which part of each point of the source's proxy goes where in the target's, (P1, P2), by a map (P1,) as above."""
     first, second = _brought_together(source, target, image)
