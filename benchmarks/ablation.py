@@ -54,6 +54,11 @@ def unbent(source: Surface, target: Surface, image: np.ndarray, *_: Any, **__: A
     return Registration(image, target.mesh.vertices[image], nothing, turns, nothing)
 
 
+def finer(source: Surface, target: Surface, image: np.ndarray) -> np.ndarray:
+    """Stands for targets of which nothing is left over: the finer ones."""
+    return spreading.finer_targets(source, target, image, source.proxy)
+
+
 def not_bent() -> AbstractContextManager[Any]:
     return patch.multiple(hypotheses, register=unbent, sketched=unbent)
 
@@ -99,9 +104,11 @@ WITHOUT: dict[str, tuple[dict[str, Any], Patches]] = {
         if kind != "landmarks"
     },
     "choice: strain of close ones": ({}, constant(hypotheses, "CONTENDERS", 1)),
+    "choice: strain when bent with care (in haste alone)": ({}, constant(hypotheses, "HOPELESS", 0.0)),
     "ends of limbs, where nothing fits well": ({}, constant(hypotheses, "UNSURE", np.inf)),
     "other starts, weights and settling, where shapes differ": ({}, constant(hypotheses, "HARD", np.inf)),
     "settling, where shapes differ": ({}, constant(hypotheses, "AGAIN", 0)),
+    "bending from where nothing is left over, where shapes differ": ({}, constant(hypotheses, "even_targets", finer)),
     "descriptors in the spread": ({}, constant(spreading, "DESCRIPTORS", 0.0)),
     "transport (nearest points)": ({}, constant(spreading, "Transport", partial(Transport, balance=0.0))),
     "upsampling (20 eigenfunctions alone)": ({}, constant(spreading, "UPSAMPLING", (20,))),
