@@ -15,7 +15,7 @@ from matplotlib.image import imread
 from scipy import ndimage
 
 from mobius_match import Correspondence, FormatError, MeshError, SettingsError, examples
-from mobius_match.figures import colours_of, draw_matches
+from mobius_match.figures import colours_of, draw_matches, farthest_first
 from mobius_match.mesh import as_mesh, repair
 from mobius_match.rendering import Shape, render
 
@@ -153,6 +153,14 @@ def test_most(most):
     picture = drawn(result_of((vertices, faces), (vertices, faces), np.c_[chosen, chosen]), most=most)
     for half in halves(picture):
         assert ndimage.label(saturated(half))[1] == most
+
+
+def test_those_that_are_drawn_lie_far_from_each_other():
+    line = np.array([[0.0, 0, 0], [1, 0, 0], [10, 0, 0], [9, 0, 0], [5, 0, 0], [4, 0, 0]])
+    assert farthest_first(line, 3).tolist() == [0, 2, 4]
+    assert farthest_first(line, 9).tolist() == [0, 1, 2, 3, 4, 5]
+    assert farthest_first(np.zeros((4, 3)), 2).tolist() == [0, 1]
+    assert farthest_first(line, 0).tolist() == farthest_first(line[:0], 5).tolist() == []
 
 
 def test_the_numbers_are_those_of_the_users_file():

@@ -6,6 +6,7 @@ import pytest
 import mobius_match as mm
 from mobius_match import examples
 from mobius_match.geometry.geodesics import geodesic_solver
+from mobius_match.matching import spaced
 from mobius_match.settings import make_settings
 from tests.shapes import bent, grid, lump, renumbered, rotation, tube
 
@@ -117,6 +118,36 @@ def test_anything_with_vertices_and_faces_will_do():
 def test_nothing_found_says_what_to_do():
     with pytest.raises(mm.NothingFoundError, match=r"50 triplets.*min-fraction"):
         mm.match(lump(2), tube(), preset="paper", votes=50, min_fraction=1.0, samples=30)
+
+
+@pytest.mark.parametrize("spacing", [0.0, 0.025, 0.06, 0.2])
+def test_matches_between_the_samples_keep_their_distance(spacing):
+    shapes = [mm.prepare(path) for path in examples.paths("person")]
+    result, few = (mm.match(*shapes, threshold=0.0, spacing=one) for one in (spacing, 0.2))
+    source = shapes[0]
+    sampled = np.isin(result.pairs[:, 0], source.mesh.vertex_ids[source.samples])
+    assert np.isin(few.pairs[:, 0], source.mesh.vertex_ids[source.samples]).all()
+    # None of the samples is given up, but for another that is surer of the same vertex of the target.
+    assert sampled.sum() >= 0.95 * len(few)
+    places = np.searchsorted(source.proxy, np.searchsorted(source.mesh.vertex_ids, result.pairs[:, 0]))
+    ways = source.proxy_ways[np.ix_(places, places)] + np.diag(np.full(len(places), np.inf))
+    assert (ways[~sampled] >= spacing).all()
+    # As many as find room: each vertex of the proxy that was left out lies close to one that was not.
+    left = np.setdiff1d(np.arange(len(source.proxy)), places)
+    if spacing:
+        assert (source.proxy_ways[np.ix_(left, places)].min(axis=1) < spacing + 0.02).all()
+    assert len(result) == pytest.approx({0.0: 1170, 0.025: 600, 0.06: 180, 0.2: 100}[spacing], rel=0.1)
+    assert (np.diff(result.confidence) <= 0).all()
+
+
+def test_points_are_kept_in_turn():
+    ways = np.abs(np.subtract.outer(np.arange(7.0), np.arange(7.0)))
+    nothing = np.zeros(7, bool)
+    assert spaced(ways, 2.0, nothing).tolist() == [0, 2, 4, 6]
+    assert spaced(ways, 2.0, np.arange(7) == 3).tolist() == [0, 3, 5]
+    assert spaced(ways, 0.0, nothing).tolist() == list(range(7))
+    assert spaced(ways, 9.0, np.arange(7) > 4).tolist() == [5, 6]
+    assert spaced(ways[:0, :0], 1.0, nothing[:0]).tolist() == []
 
 
 def test_no_match_that_is_likely_says_what_to_do():

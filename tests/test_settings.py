@@ -22,6 +22,8 @@ from mobius_match.settings import make_settings
         ("epsilon", 0, "positive"),
         ("epsilon", float("inf"), "positive"),
         ("recovery_radius", 2, "from 0 to 1"),
+        ("spacing", 0.3, "from 0 to 0.2"),
+        ("spacing", "near", "from 0 to 0.2"),
         ("geodesics", "guess", "heat, dijkstra"),
         ("triangulation", "best", "delaunay, mesh"),
         ("placement", "near", "mean, closest"),

@@ -1,7 +1,7 @@
 """How far a match can be trusted: the chance that it lies within 5 % of the diameter of its true place.
 
-Beyond the paper, whose confidence is a share of the votes. Each sample of the source is asked how well its place on the
-target agrees with all that is known around it; five answers together give the chance.
+Beyond the paper, whose confidence is a share of the votes. Each vertex of the source's proxy is asked how well its
+place on the target agrees with all that is known around it; five answers together give the chance.
 """
 
 from __future__ import annotations
@@ -9,6 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from .geometry.curvature import ranks
+from .geometry.geodesics import nearest_centres
 from .mesh.measure import cross_products
 from .registration import Registration, edge_stretches
 from .surface import Surface
@@ -17,7 +18,7 @@ NEAR = 0.15
 """Distance per sqrt(area) over which a sample has a say in how well the distances around another agree."""
 
 BESIDE = 0.06
-"""Distance per sqrt(area) at which the misfit and the stretch around a sample count 1 / e."""
+"""Distance per sqrt(area) at which the misfit and the stretch around a vertex count 1 / e."""
 
 AROUND = 0.12
 """Distance per sqrt(area) up to which the surface around a place tells how firmly it is held there."""
@@ -35,7 +36,7 @@ ratio of the slopes for what ranks first being within 2 or 3 % of the diameter, 
 
 
 def chances(source: Surface, target: Surface, registration: Registration, distances: np.ndarray) -> np.ndarray:
-    """The chance (N1,) float64 in [0, 1] that the place of each sample of the source is right.
+    """The chance (P1,) float64 in [0, 1] that the place of each vertex of the source's proxy is right.
 
     Parameters
     ----------
@@ -52,23 +53,23 @@ def chances(source: Surface, target: Surface, registration: Registration, distan
 def evidence(
     source: Surface, target: Surface, registration: Registration, distances: np.ndarray
 ) -> dict[str, np.ndarray]:
-    """What speaks for the place of each sample ("firmness") or against it, (N1,) each; see :func:`chances`.
+    """What speaks for the place of each vertex of the proxy ("firmness") or against it, (P1,); see :func:`chances`.
 
     The last is the rank of the source's Gauss curvature, from 0 (in a saddle, close to all that is around) to 1 (at the
     end of a limb, where errors add up).
     """
-    samples = np.searchsorted(source.proxy, source.samples)
     # Distances from the places to the target's samples, and from the source's samples to where those come from.
     here, there = _distances_to_origins(source, target, registration), distances / np.sqrt(target.area)
     weight = np.exp(-np.minimum(here, there) / NEAR)
-    beside = np.exp(-((source.proxy_distances / (BESIDE * np.sqrt(source.area))) ** 2))
+    disagreement = (weight * np.abs(here - there)).sum(axis=1) / weight.sum(axis=1)
+    beside = np.exp(-((source.proxy_ways / BESIDE) ** 2))
     beside /= beside.sum(axis=1, keepdims=True)
     return {
-        "distances": (weight * np.abs(here - there)).sum(axis=1) / weight.sum(axis=1),
+        "distances": _means(source.proxy_distances.T, disagreement[None])[0],
         "misfit": beside @ registration.misfit,
         "stretch": beside @ stretched(source, target, registration),
-        "firmness": firmness(target, target.mesh.vertices[registration.image[samples]]),
-        "gauss curvature": ranks(source.curvatures[0, source.proxy])[samples] / len(source.proxy),
+        "firmness": firmness(target, target.mesh.vertices[registration.image]),
+        "gauss curvature": ranks(source.curvatures[0, source.proxy]) / len(source.proxy),
     }
 
 
@@ -78,16 +79,19 @@ def firmness(surface: Surface, places: np.ndarray) -> np.ndarray:
     The least eigenvalue of the mean of n n', n being the normals of the faces around. It is 0 where a copy could slide
     without changing the picture, in a plane or along a cylinder, and 1/3 at the end of a finger.
     """
-    vertices, faces = surface.mesh.vertices, surface.mesh.faces
-    scale = np.sqrt(surface.area)
-    crosses = cross_products(vertices / scale, faces)
-    sizes = np.maximum(np.linalg.norm(crosses, axis=1), np.finfo(float).tiny)
-    centres = vertices[faces].mean(axis=1)
-    squared = sum(np.subtract.outer(place, centre) ** 2 for place, centre in zip(places.T, centres.T, strict=True))
-    near = np.where(squared <= (AROUND * scale) ** 2, sizes, 0.0)
-    squares = (crosses[:, :, None] * crosses[:, None] / sizes[:, None, None] ** 2).reshape(-1, 9)
-    means = near @ squares / np.maximum(near.sum(axis=1, keepdims=True), np.finfo(float).tiny)
-    return np.asarray(np.linalg.eigvalsh(means.reshape(-1, 3, 3))[:, 0])
+    vertices, faces = surface.mesh.vertices / np.sqrt(surface.area), surface.mesh.faces
+    crosses = cross_products(vertices, faces)
+    sizes = np.maximum(np.linalg.norm(crosses, axis=1, keepdims=True), np.finfo(float).tiny)
+    of_faces = (crosses[:, :, None] * crosses[:, None] / sizes[:, None]).reshape(-1, 9)
+    # Each face stands at the vertices of the proxy that its corners are nearest to: as many, but no more than these.
+    home = nearest_centres(vertices, faces, surface.proxy)
+    sums = np.stack(
+        [np.bincount(home[faces].ravel(), np.repeat(entry, 3), len(surface.proxy)) for entry in of_faces.T], axis=1
+    )
+    near = (squared_distances(places / np.sqrt(surface.area), vertices[surface.proxy]) <= AROUND**2).astype(float)
+    means = (near @ sums).reshape(-1, 3, 3)
+    traces = np.maximum(np.trace(means, axis1=1, axis2=2), np.finfo(float).tiny)
+    return np.asarray(np.linalg.eigvalsh(means / traces[:, None, None])[:, 0])
 
 
 def stretched(source: Surface, target: Surface, registration: Registration) -> np.ndarray:
@@ -114,10 +118,21 @@ def _distances_to_origins(source: Surface, target: Surface, registration: Regist
 
 def interpolated(points: np.ndarray, queries: np.ndarray, values: np.ndarray) -> np.ndarray:
     """Values (N, p) that are known at points (p, 3), at queries (q, 3): (N, q), by distance in space."""
-    # So few points need no search tree, which takes longer to import.
-    squared = sum(np.subtract.outer(query, point) ** 2 for query, point in zip(queries.T, points.T, strict=True))
-    number = min(NEIGHBOURS, len(points))
-    near = np.argpartition(squared, number - 1, axis=1)[:, :number]
-    apart = np.sqrt(np.take_along_axis(squared, near, axis=1))
+    return _means(np.sqrt(squared_distances(queries, points)), values)
+
+
+def _means(apart: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """Values (N, p) at queries that lie apart (q, p) from where they are known: (N, q), of the nearest."""
+    number = min(NEIGHBOURS, apart.shape[1])
+    near = np.argpartition(apart, number - 1, axis=1)[:, :number]
+    apart = np.take_along_axis(apart, near, axis=1)
     weights = 1 / (apart + 1e-3 * apart.mean() + np.finfo(float).tiny) ** 2
     return np.einsum("nqk,qk->nq", values[:, near], weights / weights.sum(axis=1, keepdims=True))
+
+
+def squared_distances(queries: np.ndarray, points: np.ndarray) -> np.ndarray:
+    """Squared distances in space (q, p)."""
+    # So few points need no search tree, which takes longer to import.
+    return np.asarray(
+        sum(np.subtract.outer(query, point) ** 2 for query, point in zip(queries.T, points.T, strict=True))
+    )

@@ -57,7 +57,8 @@ def draw_matches(
     path
         Where to write: a name ending in ``.png`` or a binary stream. A file appears whole or not at all.
     most
-        Draw only this many matches, the most confident.
+        Draw only this many matches: the most confident one, then each time that which lies farthest from these on the
+        source.
     size
         Width and height in pixels.
     title
@@ -75,18 +76,14 @@ def draw_matches(
     """
     _check(path, most, size, view)
     width, height = size
-    pairs, confidence = result.pairs[:most], np.clip(np.nan_to_num(result.confidence[:most]), 0, 1)
-    sides = [
-        shape_of(mesh_of(surface, info), vertices)
-        for surface, info, vertices in (
-            (result.source, result.source_info, pairs[:, 0]),
-            (result.target, result.target_info, pairs[:, 1]),
-        )
-    ]
+    meshes = mesh_of(result.source, result.source_info), mesh_of(result.target, result.target_info)
+    chosen = farthest_first(meshes[0].vertices[numbered(meshes[0], result.pairs[:, 0])], most)
+    confidence = np.clip(np.nan_to_num(result.confidence[chosen]), 0, 1)
+    sides = [shape_of(mesh, vertices) for mesh, vertices in zip(meshes, result.pairs[chosen].T, strict=True)]
     colours = colours_of(sides[0].vertices[sides[0].matched])
     azimuth, elevation = np.radians(view) if view is not None else (best_azimuth(sides), ELEVATION)
     shapes = [side.turned(float(azimuth), float(elevation)) for side in sides]
-    diamonds = result.kind[:most] != "voted"
+    diamonds = result.kind[chosen] != "voted"
     # Both at one scale (equal areas look equal), unless that would make one of them tiny.
     top = round(0.07 * height) if title else 0
     room = np.array([width // 2, height - top]) * 0.94
@@ -107,6 +104,17 @@ def draw_matches(
         write_atomically(Path(path), content)
     else:
         path.write(content)
+
+
+def farthest_first(points: np.ndarray, most: int) -> np.ndarray:
+    """Numbers, ascending, of at most so many points (q, 3): the first, then the one farthest from these, and so on."""
+    chosen, apart = np.zeros(len(points), bool), np.full(len(points), np.inf)
+    for _ in range(min(most, len(points))):
+        place = int(apart.argmax())
+        chosen[place] = True
+        apart = np.minimum(apart, np.linalg.norm(points - points[place], axis=1))
+        apart[chosen] = -1
+    return np.flatnonzero(chosen)
 
 
 def draw_shapes(

@@ -129,7 +129,8 @@ def match(
         timings["explanations"] = time.perf_counter() - begin
         begin = time.perf_counter()
         if places:
-            matches = _reported(first, second, places.points, places.chances, np.ones(len(first.samples), bool), chosen)
+            here, voted = first.samples, np.ones(len(first.samples), bool)
+            matches = _reported(first, second, here, places.points, places.chances, voted, chosen)
         elif found:
             matches = _explained(first, second, votes, found[0], chosen, DISTRUST if LACKING in of_parts else 1.0)
         else:
@@ -188,42 +189,48 @@ def _explained(
     settings: MatchSettings,
     trust: float = 1.0,
 ) -> dict[str, Any]:
-    """The places of the source's samples under one explanation, confidence as the chance that they are right.
+    """Places of the source's proxy under one explanation, confidence as the chance that they are right.
 
     All chances are multiplied by ``trust``.
 
-    A sample that section 8 pairs with a sample near its place is voted; another place is recovered from all others.
+    A sample that section 8 pairs with a sample near its place is voted, and so are the points that are nearest to it;
+    another place is recovered from all others.
     """
     registration = explanation.registered(source, target)
     distances = distances_of_places(source, target, registration)
     chance = trust * chances(source, target, registration, distances)
-    samples = np.searchsorted(source.proxy, source.samples)
     scale = np.sqrt(target.area)
     points = closest_points(
-        target.mesh.vertices / scale,
-        target.mesh.faces,
-        registration.positions[samples] / scale,
-        registration.image[samples],
+        target.mesh.vertices / scale, target.mesh.faces, registration.positions / scale, registration.image
     )
-    voted = np.zeros(len(samples), bool)
+    voted = np.zeros(len(source.samples), bool)
     pairs, _ = _assign(votes.matrix, settings)
     radius = settings.recovery_radius or MatchSettings.recovery_radius
     voted[pairs[:, 0]] = distances[pairs[:, 0], pairs[:, 1]] <= radius * target.diameter
-    return _reported(source, target, points, chance, voted, settings)
+    voted = voted[source.proxy_distances.argmin(axis=0)]
+    return _reported(source, target, source.proxy, points, chance, voted, settings, source.proxy_ways)
 
 
 def _reported(
     source: Surface,
     target: Surface,
+    here: np.ndarray,
     points: SurfacePoints,
     chance: np.ndarray,
     voted: np.ndarray,
     settings: MatchSettings,
+    ways: np.ndarray | None = None,
 ) -> dict[str, Any]:
-    """The likely ones among the places of the source's samples, the most confident first, no target vertex twice."""
+    """The likely ones among the places of source vertices (q,), the most confident first, no target vertex twice.
+
+    With the ways (q, q) between these per sqrt(area): of those that are not samples none that is closer than the
+    spacing to a sample, or to a more confident one.
+    """
     threshold = CHANCE_THRESHOLD if settings.threshold is None else settings.threshold
     kept = np.flatnonzero((chance >= threshold) & (voted | (settings.recovery_radius > 0)))
     kept = kept[np.argsort(-chance[kept], kind="stable")]
+    if ways is not None:
+        kept = kept[spaced(ways[np.ix_(kept, kept)], settings.spacing, np.isin(here[kept], source.samples))]
     points, mesh = points[kept], target.whole_mesh
     if target.detail is not None:
         points = target.detail.lifted(target.mesh, points)
@@ -231,13 +238,26 @@ def _reported(
     _, first = np.unique(points.nearest, return_index=True)
     first = np.sort(first)
     kept, there = kept[first], points[first]
-    here = source.samples[kept]
     return {
-        "pairs": np.stack([source.mesh.vertex_ids[here], mesh.vertex_ids[there.nearest]], axis=1),
+        "pairs": np.stack([source.mesh.vertex_ids[here[kept]], mesh.vertex_ids[there.nearest]], axis=1),
         "confidence": chance[kept],
         "kind": np.where(voted, "voted", "recovered")[kept],
         "target_points": SurfacePoints(mesh.face_ids[there.faces], mesh.vertex_ids[there.corners], there.barycentric),
     }
+
+
+def spaced(ways: np.ndarray, spacing: float, always: np.ndarray) -> np.ndarray:
+    """Which of points (q,) to keep, ascending: some (q,) bool always, others no closer to these or to one before them.
+
+    The ways between them (q, q) are known.
+    """
+    kept = always.copy()
+    free = ~kept & (ways[kept] >= spacing).all(axis=0)
+    for i in range(len(ways)):
+        if free[i]:
+            kept[i] = True
+            free &= ways[i] >= spacing
+    return np.flatnonzero(kept)
 
 
 def _spread(

@@ -10,6 +10,8 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
+from scipy.sparse import csr_matrix
+from scipy.sparse.csgraph import dijkstra
 from threadpoolctl import threadpool_limits
 
 from .detail import Detail, simplified
@@ -35,6 +37,9 @@ RADIUS, WIDE_RADIUS = 0.035, 0.1
 RELIEF, FLAT = 2.0, 1.0
 """What curvatures, in standard deviations, are multiplied by before asinh presses the great ones together, and the
 standard deviation that they are taken to have at least: a sphere has none."""
+
+NEARBY = 0.2
+"""Length per sqrt(area) up to which ways between the proxy's vertices are known."""
 
 LEVELS = slice(4, None, 8)
 """Levels of the 100 of the wave kernel signature that all vertices are described by."""
@@ -161,6 +166,15 @@ class Surface:
         """Gauss and mean curvature (n, 2) float32 of all vertices, for comparison: from the median, about 1 in size."""
         median, spread = (f(self.curvatures[:2, self.proxy], axis=1) for f in (np.median, np.std))
         return np.arcsinh(RELIEF * (self.curvatures[:2].T - median) / np.maximum(spread, FLAT))
+
+    @cached_property
+    def proxy_ways(self) -> np.ndarray:
+        """Lengths (P, P) per sqrt(area) of the shortest ways along the proxy's edges; infinite beyond 0.2."""
+        points, (start, end) = self.mesh.vertices[self.proxy], self.proxy_edges.T
+        lengths = np.linalg.norm(points[start] - points[end], axis=1) / np.sqrt(self.area)
+        return np.asarray(
+            dijkstra(csr_matrix((lengths, (start, end)), [len(points)] * 2), directed=False, limit=NEARBY)
+        )
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write the surface to a file (numpy's .npz); an existing one is replaced at once or not at all."""

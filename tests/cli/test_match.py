@@ -109,6 +109,7 @@ def test_threads_do_not_change_the_result(result, proposal):
         ("--triangulation", "mesh", "triangulation"),
         ("--assignment", "linear", "assignment"),
         ("--threshold", 0.05, "threshold"),
+        ("--spacing", 0.1, "spacing"),
         ("--seed", 7, "seed"),
         ("--jobs", 1, "jobs"),
     ],

@@ -318,3 +318,12 @@ def test_the_better_truth_is_drawn_only_where_it_is_another(report, tmp_path):
     page = written(run(usual()[:1]), tmp_path)
     assert page.tables["Within 5 % of the diameter"][0] == ["confidence", "matches", "direct"]
     assert "Direct is the better of both truths in every pair" in page.text
+
+
+def test_matches_that_no_landmark_is_near_do_not_count():
+    found = summary.measures(record("a-b", direct=[np.nan] * 50 + [0.02] * 15 + [0.08] * 5), "direct")
+    assert found["known"] == 20
+    assert found["mean15"] == pytest.approx(0.02)
+    assert found["mean45"] == pytest.approx(0.035)
+    assert found["first15_close"] == 1
+    assert found["wrong"] == 0

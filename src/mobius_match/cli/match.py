@@ -110,6 +110,14 @@ def match(
             "they need the support of others.  [default: 0.5, and 0.1]",
         ),
     ] = None,
+    spacing: Annotated[
+        float | None,
+        Option(
+            metavar="S",
+            help="Distance per sqrt(area) that matches beyond the samples keep from these and from each other "
+            "(0 to 0.2); 0.2 leaves the samples alone.  [default: 0.025]",
+        ),
+    ] = None,
     seed: Annotated[
         int | None, Option(metavar="N", help="Same seed, same result, whatever --jobs.  [default: 0]")
     ] = None,
@@ -141,6 +149,7 @@ def match(
         "triangulation": triangulation,
         "assignment": assignment,
         "threshold": threshold,
+        "spacing": spacing,
         "seed": seed,
         "jobs": jobs,
     }

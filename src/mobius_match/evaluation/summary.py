@@ -42,7 +42,7 @@ def errors(record: dict[str, Any], variant: str, dense: bool = False) -> np.ndar
     lists = record["dense"] if dense else record
     if variant == "better":
         both = [found for v in ("direct", "mirrored") if (found := errors(record, v, dense)) is not None]
-        decisive = [mean(found if dense else found[:MANY]) for found in both]
+        decisive = [mean(found if dense else found[~np.isnan(found)][:MANY]) for found in both]
         return both[int(np.argmin(np.nan_to_num(decisive, nan=np.inf)))] if both else None
     if not lists or lists.get(variant) is None:
         return None
@@ -82,13 +82,14 @@ def measures(record: dict[str, Any], variant: str) -> dict[str, float]:
     found, dense = errors(record, variant), errors(record, variant, dense=True)
     found = np.zeros(0) if found is None else found
     dense = np.zeros(0) if dense is None else dense
-    few = found[:FEW]
-    known = few[~np.isnan(few)]
-    first = float(len(few) == FEW and bool((known <= CLOSE).all()))
-    many, factor = mean(found[:MANY]), princeton(record)
+    # Where the truth is a few landmarks, most matches are nearest to none of them.
+    known = found[~np.isnan(found)]
+    few = known[:FEW]
+    first = float(len(few) == FEW and bool((few <= CLOSE).all()))
+    many, factor = mean(known[:MANY]), princeton(record)
     dense_mean = mean(dense) * factor
     return {
-        "known": float((~np.isnan(found)).sum()) if len(found) else float("nan"),
+        "known": float(len(known)) if len(found) else float("nan"),
         "mean15": mean(few),
         "mean45": many,
         "first15_close": first if len(known) or 0 < len(found) < FEW else float("nan"),

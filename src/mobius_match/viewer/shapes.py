@@ -23,6 +23,9 @@ MOST = 30_000
 FEWER = 15_000
 """Vertices that it then has, if it was not matched on a simplified one."""
 
+FEW = 100
+"""Matches above which their spheres are smaller the more there are, so that as much of the surface stays in sight."""
+
 
 @dataclass(frozen=True, eq=False)
 class Side:
@@ -65,7 +68,7 @@ def sides_of(result: Correspondence) -> tuple[list[Side], float]:
         Side(mesh, shape, vertices * scale, *_drawn(mesh, surface))
         for mesh, shape, vertices, scale, surface in zip(meshes, shapes, centred, scales, surfaces, strict=True)
     ]
-    return sides, 0.8 * RADIUS * min(scales)
+    return sides, 0.8 * RADIUS * min(scales) * float(np.sqrt(FEW / max(len(result), FEW)))
 
 
 def _drawn(mesh: Mesh, surface: Surface | None) -> tuple[np.ndarray, np.ndarray]:
