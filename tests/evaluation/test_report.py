@@ -16,7 +16,7 @@ import pytest
 from matplotlib.image import imread
 
 from mobius_match import examples
-from mobius_match.evaluation import figures
+from mobius_match.evaluation import figures, summary
 from mobius_match.evaluation.report import write_report
 
 from .records import failed, record, run, usual
