@@ -2,7 +2,7 @@
 Every vertex, and what is carried along
 =======================================
 
-The matches of a hundred samples become a map of all vertices, both ways; colours, labels and textures travel on it.
+A few hundred matches become a map of all vertices, both ways; colours, labels and textures travel on it.
 """
 
 import matplotlib.pyplot as plt

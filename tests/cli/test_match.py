@@ -2,6 +2,7 @@
 
 import hashlib
 import json
+import re
 
 import numpy as np
 import pytest
@@ -63,6 +64,9 @@ def test_without_options_a_table_is_printed(mobius, pair):
     assert "two.off" in ended.out
     assert "confidence" in ended.out
     assert "\x1b" not in ended.out + ended.err
+    more = int(re.search(r"and (\d+) more: -o FILE", ended.out)[1])
+    assert f"{more + 20} correspondences" in ended.out
+    assert len(re.findall(r"voted|recovered", ended.out)) == 20
 
 
 @pytest.mark.parametrize("options", [["--json"], ["-o", "-"], ["-o", "-", "--json"]])

@@ -9,7 +9,7 @@ import typer
 
 from .common import Reporter, say
 from .match import Quiet, Verbose, draw, run_match
-from .output import STDOUT, make_folder, print_table, to_json, write
+from .output import ROWS, STDOUT, make_folder, others_of, print_table, to_json, write
 
 if TYPE_CHECKING:
     import numpy as np
@@ -102,10 +102,13 @@ def _csv(rows: list[dict[str, Any]]) -> bytes:
 def _match_table(entry: dict[str, Any]) -> Table:
     from rich.table import Table
 
-    table = Table(title=f"{entry['pair']}: matches and their true errors", title_justify="left")
+    others = others_of(len(entry["matches"]))
+    caption = others and f"{others}, in {entry['pair']}.csv"
+    title = f"{entry['pair']}: matches and their true errors"
+    table = Table(title=title, caption=caption, title_justify="left", caption_justify="left")
     for heading in ("", "source vertex", "target vertex", "confidence", "error (% of diameter)"):
         table.add_column(heading, justify="right")
-    for number, row in enumerate(entry["matches"], start=1):
+    for number, row in enumerate(entry["matches"][:ROWS], start=1):
         cells = (
             number,
             row["source"],

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 from dataclasses import asdict
+from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -11,7 +12,7 @@ from typer import Argument, Option
 
 from .common import Reporter, say
 from .config import merge, read_config
-from .output import STDOUT, check_output, print_table, to_json, write
+from .output import ROWS, STDOUT, check_output, others_of, print_table, to_json, write
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -135,8 +136,8 @@ def match(
 ) -> None:
     """Find corresponding vertices of two meshes.
 
-    The matches are printed as a table (with --json or '-o -' as JSON), highest confidence first. Vertices
-    are numbered from 0, as in the files.
+    The first matches are printed as a table (with --json or '-o -' all as JSON), highest confidence first.
+    Vertices are numbered from 0, as in the files.
     """
     options = {
         "samples": samples,
@@ -258,7 +259,9 @@ def _check(settings: dict[str, Any], outputs: dict[str, Path | None], inputs: tu
 def _table(result: Correspondence) -> Table:
     from rich.table import Table
 
-    table = Table(title=f"{len(result)} correspondences", title_justify="left")
+    others = others_of(len(result))
+    caption = others and f"{others}: -o FILE writes all, --json prints them"
+    table = Table(title=f"{len(result)} correspondences", caption=caption, title_justify="left", caption_justify="left")
     names = (Path(info["path"] or "array").name for info in (result.source_info, result.target_info))
     for heading in (
         "",
@@ -269,6 +272,6 @@ def _table(result: Correspondence) -> Table:
     table.add_column("kind")
     rows = zip(result.pairs.tolist(), result.confidence.tolist(), result.kind.tolist(), strict=True)
     given = 0 if result.given is None else int(result.given.sum())
-    for number, ((i, j), confidence, kind) in enumerate(rows, start=1):
+    for number, ((i, j), confidence, kind) in enumerate(islice(rows, ROWS), start=1):
         table.add_row(str(number), str(i), str(j), f"{confidence:.3f}", "given" if number <= given else kind)
     return table

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from rich.table import Table
 
 STDOUT = Path("-")
+ROWS = 20  # of matches in a table
 PLAIN_WIDTH = 120  # characters, where standard output is no terminal
 
 
@@ -67,6 +68,11 @@ def write(path: Path, content: bytes) -> None:
 def to_json(data: Any) -> bytes:
     """A result as JSON, for files and standard output."""
     return (json.dumps(data, indent=1, allow_nan=False) + "\n").encode()
+
+
+def others_of(number: int) -> str | None:
+    """What stands below a table of the first matches, if there are more."""
+    return f"and {number - ROWS} more" if number > ROWS else None
 
 
 def print_table(table: Table) -> None:
