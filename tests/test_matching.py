@@ -6,7 +6,6 @@ import pytest
 import mobius_match as mm
 from mobius_match import examples
 from mobius_match.geometry.geodesics import geodesic_solver
-from mobius_match.matching import spaced
 from mobius_match.settings import make_settings
 from tests.shapes import bent, grid, lump, renumbered, rotation, tube
 
@@ -138,16 +137,6 @@ def test_matches_between_the_samples_keep_their_distance(spacing):
         assert (source.proxy_ways[np.ix_(left, places)].min(axis=1) < spacing + 0.02).all()
     assert len(result) == pytest.approx({0.0: 1170, 0.025: 600, 0.06: 180, 0.2: 100}[spacing], rel=0.1)
     assert (np.diff(result.confidence) <= 0).all()
-
-
-def test_points_are_kept_in_turn():
-    ways = np.abs(np.subtract.outer(np.arange(7.0), np.arange(7.0)))
-    nothing = np.zeros(7, bool)
-    assert spaced(ways, 2.0, nothing).tolist() == [0, 2, 4, 6]
-    assert spaced(ways, 2.0, np.arange(7) == 3).tolist() == [0, 3, 5]
-    assert spaced(ways, 0.0, nothing).tolist() == list(range(7))
-    assert spaced(ways, 9.0, np.arange(7) > 4).tolist() == [5, 6]
-    assert spaced(ways[:0, :0], 1.0, nothing[:0]).tolist() == []
 
 
 def test_no_match_that_is_likely_says_what_to_do():

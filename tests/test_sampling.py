@@ -6,7 +6,7 @@ import pytest
 from mobius_match.geometry.curvature import gauss_curvature
 from mobius_match.geometry.geodesics import geodesic_solver
 from mobius_match.geometry.laplacian import intrinsic_mesh, vertex_areas
-from mobius_match.sampling import SMOOTHING_RADIUS, sample_points
+from mobius_match.sampling import SMOOTHING_RADIUS, sample_points, spaced
 from tests.shapes import bent, ellipsoid, grid, icosphere, lump, renumbered, rotation
 
 
@@ -101,3 +101,13 @@ def test_fewer_vertices_than_samples_gives_all_of_them():
     shape = icosphere(0)
     samples = sample_points(intrinsic_mesh(*shape), geodesic_solver(*shape), 50)
     assert sorted(samples.vertices.tolist()) == list(range(12))
+
+
+def test_points_are_kept_in_turn():
+    ways = np.abs(np.subtract.outer(np.arange(7.0), np.arange(7.0)))
+    nothing = np.zeros(7, bool)
+    assert spaced(ways, 2.0, nothing).tolist() == [0, 2, 4, 6]
+    assert spaced(ways, 2.0, np.arange(7) == 3).tolist() == [0, 3, 5]
+    assert spaced(ways, 0.0, nothing).tolist() == list(range(7))
+    assert spaced(ways, 9.0, np.arange(7) > 4).tolist() == [5, 6]
+    assert spaced(ways[:0, :0], 1.0, nothing[:0]).tolist() == []

@@ -19,6 +19,7 @@ from .matrix_processing import linear_assignment, max_row_column, normalized, re
 from .partial import DISTRUST, LACKING, PartPlaces, lacking, part_places
 from .placing import OPEN, openness
 from .preparing import each, finished, opened
+from .sampling import spaced
 from .settings import MatchSettings, make_settings
 from .software import software
 from .spreading import spread
@@ -244,20 +245,6 @@ def _reported(
         "kind": np.where(voted, "voted", "recovered")[kept],
         "target_points": SurfacePoints(mesh.face_ids[there.faces], mesh.vertex_ids[there.corners], there.barycentric),
     }
-
-
-def spaced(ways: np.ndarray, spacing: float, always: np.ndarray) -> np.ndarray:
-    """Which of points (q,) to keep, ascending: some (q,) bool always, others no closer to these or to one before them.
-
-    The ways between them (q, q) are known.
-    """
-    kept = always.copy()
-    free = ~kept & (ways[kept] >= spacing).all(axis=0)
-    for i in range(len(ways)):
-        if free[i]:
-            kept[i] = True
-            free &= ways[i] >= spacing
-    return np.flatnonzero(kept)
 
 
 def _spread(

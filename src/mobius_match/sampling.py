@@ -105,6 +105,20 @@ def proxy_points(areas: np.ndarray, count: int, samples: np.ndarray) -> np.ndarr
     return np.sort(np.concatenate([samples, others])).astype(np.int64)
 
 
+def spaced(ways: np.ndarray, spacing: float, always: np.ndarray) -> np.ndarray:
+    """Which of points (q,) to keep, ascending: some (q,) bool always, others no closer to these or to one before them.
+
+    The ways between them (q, q) are known.
+    """
+    kept = always.copy()
+    free = ~kept & (ways[kept] >= spacing).all(axis=0)
+    for i in range(len(ways)):
+        if free[i]:
+            kept[i] = True
+            free &= ways[i] >= spacing
+    return np.flatnonzero(kept)
+
+
 def _ring_maxima(mesh: IntrinsicMesh, values: np.ndarray) -> np.ndarray:
     """Vertices whose positive value none of their neighbours exceeds, largest first."""
     start, end = mesh.faces.ravel(), np.roll(mesh.faces, -1, axis=1).ravel()
