@@ -106,8 +106,10 @@ def test_fewer_vertices_than_samples_gives_all_of_them():
 def test_points_are_kept_in_turn():
     ways = np.abs(np.subtract.outer(np.arange(7.0), np.arange(7.0)))
     nothing = np.zeros(7, bool)
-    assert spaced(ways, 2.0, nothing).tolist() == [0, 2, 4, 6]
-    assert spaced(ways, 2.0, np.arange(7) == 3).tolist() == [0, 3, 5]
-    assert spaced(ways, 0.0, nothing).tolist() == list(range(7))
-    assert spaced(ways, 9.0, np.arange(7) > 4).tolist() == [5, 6]
-    assert spaced(ways[:0, :0], 1.0, nothing[:0]).tolist() == []
+    everyone = np.arange(7)
+    assert spaced(ways, 2.0, nothing, everyone).tolist() == [0, 2, 4, 6]
+    assert spaced(ways, 2.0, everyone == 3, everyone).tolist() == [0, 3, 5]
+    assert spaced(ways, 0.0, nothing, everyone).tolist() == list(range(7))
+    assert spaced(ways, 9.0, everyone > 4, everyone).tolist() == [5, 6]
+    assert spaced(ways[:0, :0], 1.0, nothing[:0], everyone[:0]).tolist() == []
+    assert spaced(ways, 2.0, nothing[:5], np.array([5, 6, 1, 0, 3])).tolist() == [5, 1, 3]

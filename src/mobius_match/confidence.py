@@ -9,7 +9,6 @@ from __future__ import annotations
 import numpy as np
 
 from .geometry.curvature import ranks
-from .geometry.geodesics import nearest_centres
 from .mesh.measure import cross_products
 from .registration import Registration, edge_stretches
 from .surface import Surface
@@ -84,10 +83,8 @@ def firmness(surface: Surface, places: np.ndarray) -> np.ndarray:
     sizes = np.maximum(np.linalg.norm(crosses, axis=1, keepdims=True), np.finfo(float).tiny)
     of_faces = (crosses[:, :, None] * crosses[:, None] / sizes[:, None]).reshape(-1, 9)
     # Each face stands at the vertices of the proxy that its corners are nearest to: as many, but no more than these.
-    home = nearest_centres(vertices, faces, surface.proxy)
-    sums = np.stack(
-        [np.bincount(home[faces].ravel(), np.repeat(entry, 3), len(surface.proxy)) for entry in of_faces.T], axis=1
-    )
+    homes, size = surface.homes[faces].ravel(), len(surface.proxy)
+    sums = np.stack([np.bincount(homes, np.repeat(entry, 3), size) for entry in of_faces.T], axis=1)
     near = (squared_distances(places / np.sqrt(surface.area), vertices[surface.proxy]) <= AROUND**2).astype(float)
     means = (near @ sums).reshape(-1, 3, 3)
     traces = np.maximum(np.trace(means, axis1=1, axis2=2), np.finfo(float).tiny)

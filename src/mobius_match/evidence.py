@@ -9,7 +9,6 @@ from __future__ import annotations
 import numpy as np
 
 from .geometry.curvature import rank_correlation
-from .geometry.geodesics import nearest_centres
 from .geometry.spectral import functional_map
 from .registration import Registration, strain
 from .surface import Surface
@@ -59,5 +58,4 @@ def weighted(evidence: dict[str, float]) -> float:
 
 def misgivings(source: Surface, target: Surface, registration: Registration) -> float:
     """What speaks against the source bent in one way, to be compared with another: its strain, and what maps tell."""
-    place = nearest_centres(target.mesh.vertices, target.mesh.faces, target.proxy)
-    return strain(source, target, registration) + weighted(compare(source, target, place[registration.image]))
+    return strain(source, target, registration) + weighted(compare(source, target, target.homes[registration.image]))

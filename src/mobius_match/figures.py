@@ -108,13 +108,12 @@ def draw_matches(
 
 def farthest_first(points: np.ndarray, most: int) -> np.ndarray:
     """Numbers, ascending, of at most so many points (q, 3): the first, then the one farthest from these, and so on."""
-    chosen, apart = np.zeros(len(points), bool), np.full(len(points), np.inf)
+    apart = np.full(len(points), np.inf)
     for _ in range(min(most, len(points))):
         place = int(apart.argmax())
-        chosen[place] = True
         apart = np.minimum(apart, np.linalg.norm(points - points[place], axis=1))
-        apart[chosen] = -1
-    return np.flatnonzero(chosen)
+        apart[place] = -1  # chosen
+    return np.flatnonzero(apart < 0)
 
 
 def draw_shapes(

@@ -15,7 +15,7 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from .errors import SettingsError
-from .geometry.geodesics import geodesic_solver, nearest_centres
+from .geometry.geodesics import geodesic_solver
 from .geometry.points import SurfacePoints, points_at
 from .surface import Surface
 
@@ -209,7 +209,7 @@ def _around(surface: Surface, vertices: np.ndarray) -> tuple[np.ndarray, np.ndar
     places = (mesh.vertices - mesh.vertices.mean(axis=0)) / scale  # far from overflow, as in preparation
     solve = geodesic_solver(places, mesh.faces, surface.settings.geodesics)
     distances = np.stack([solve(int(vertex)) * scale for vertex in vertices[:HEARD]]).astype(np.float32)
-    return nearest_centres(places, mesh.faces, surface.proxy)[vertices], distances
+    return surface.homes[vertices], distances
 
 
 def _ends(surface: Surface, numbers: np.ndarray) -> np.ndarray:

@@ -11,7 +11,6 @@ import numpy as np
 
 from .geometry.curvature import curvatures, rank_correlation
 from .geometry.directions import directions
-from .geometry.geodesics import nearest_centres
 from .hints import Hints
 from .registration import ROUNDS, TIGHT, Registration, register, stretching, vertex_normals
 from .surface import Surface
@@ -107,8 +106,6 @@ class Pair:
         self._spread = np.maximum(self.curvatures2[whole.proxy].std(axis=0), 1e-9)
         self.curvatures2 /= self._spread
         self.curvatures1 = _curvatures(self.part)[part.proxy] / self._spread
-        # Along the surface: in space a hand may be next to a thigh.
-        self.home = nearest_centres(whole.mesh.vertices, whole.mesh.faces, whole.proxy)
 
     def resized(self, size: float) -> Pair:
         """With the part at that multiple of the size that its file says."""
@@ -251,7 +248,7 @@ class Pair:
 
     def landmarks(self, found: Registration) -> tuple[np.ndarray, np.ndarray]:
         """The landmarks that a registration places best: samples of the part and of the whole."""
-        image, here = self.home[found.image], self.samples1
+        image, here = self.whole.homes[found.image], self.samples1
         theirs, apart, snapped = self.compared(image)
         weight = 1 / (self.paths1.lengths + SOFT)
         astray = (weight * np.minimum(apart, CAP)).sum(axis=1) / weight.sum(axis=1)
@@ -288,7 +285,7 @@ class Pair:
             1 - rank_correlation(of_part, of_whole)
             for of_part, of_whole in zip(self.curvatures1.T[2:4], self.curvatures2[found.image].T[2:4], strict=True)
         )
-        image = self.home[found.image]
+        image = self.whole.homes[found.image]
         return {
             "distances": float(self.compared(image)[1].mean()),
             "turned": float(1 - self.turned(image)[0].mean()),

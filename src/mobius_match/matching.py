@@ -231,7 +231,7 @@ def _reported(
     kept = np.flatnonzero((chance >= threshold) & (voted | (settings.recovery_radius > 0)))
     kept = kept[np.argsort(-chance[kept], kind="stable")]
     if ways is not None:
-        kept = kept[spaced(ways[np.ix_(kept, kept)], settings.spacing, np.isin(here[kept], source.samples))]
+        kept = spaced(ways, settings.spacing, np.isin(here[kept], source.samples), kept)
     points, mesh = points[kept], target.whole_mesh
     if target.detail is not None:
         points = target.detail.lifted(target.mesh, points)

@@ -42,7 +42,7 @@ ON_PART, ASTRAY = 0.02, 0.1
 def evidence(pair: Pair, place: Place) -> dict[str, np.ndarray]:
     """What speaks against the place of each vertex of the part's proxy, or for it: how far the cut is; (P1,)."""
     found, part = place.registration, pair.part
-    _, apart, snapped = pair.compared(pair.home[found.image])
+    _, apart, snapped = pair.compared(pair.whole.homes[found.image])
     weight = np.exp(-pair.paths1.lengths / NEAR - snapped[:, None] / SNAPPED) + 1e-12
     around, unlike = neighbour_means(part), np.abs(pair.curvatures1 - pair.curvatures2[found.image]).mean(axis=1)
     return {
@@ -110,5 +110,5 @@ def places_on_part(pair: Pair, place: Place) -> tuple[SurfacePoints, np.ndarray]
     middles = bent[pair.part.proxy_edges].mean(axis=1)
     apart = scipy.spatial.cKDTree(np.concatenate([bent, middles])).query(queries)[0]
     # Along the surface too: what is missing may touch the part.
-    astray = pair.paths2.lengths[np.arange(len(node)), pair.home[found.image[node]]]
+    astray = pair.paths2.lengths[np.arange(len(node)), pair.whole.homes[found.image[node]]]
     return points, np.where((apart <= ON_PART) & (astray <= ASTRAY), chances(pair, place)[node], 0.0)

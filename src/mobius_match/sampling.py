@@ -105,18 +105,18 @@ def proxy_points(areas: np.ndarray, count: int, samples: np.ndarray) -> np.ndarr
     return np.sort(np.concatenate([samples, others])).astype(np.int64)
 
 
-def spaced(ways: np.ndarray, spacing: float, always: np.ndarray) -> np.ndarray:
-    """Which of points (q,) to keep, ascending: some (q,) bool always, others no closer to these or to one before them.
+def spaced(ways: np.ndarray, spacing: float, always: np.ndarray, order: np.ndarray) -> np.ndarray:
+    """Those of points (k,), in their order, that are no closer than the spacing to any before them.
 
-    The ways between them (q, q) are known.
+    Some of them, (k,) bool, are kept always, and the others keep away from these. The ways (q, q) between all points
+    are known.
     """
-    kept = always.copy()
-    free = ~kept & (ways[kept] >= spacing).all(axis=0)
-    for i in range(len(ways)):
-        if free[i]:
-            kept[i] = True
-            free &= ways[i] >= spacing
-    return np.flatnonzero(kept)
+    kept, free = always.copy(), (ways[order[always]] >= spacing).all(axis=0)
+    for place in np.flatnonzero(~always):
+        if free[order[place]]:
+            kept[place] = True
+            free &= ways[order[place]] >= spacing
+    return order[kept]
 
 
 def _ring_maxima(mesh: IntrinsicMesh, values: np.ndarray) -> np.ndarray:

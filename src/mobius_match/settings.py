@@ -28,6 +28,12 @@ def _check_whole(what: str, value: object, least: int, most: int) -> None:
     _check(least <= value <= most, what, value, f"give a number from {least} to {most}")  # type: ignore[operator]
 
 
+def _check_number(what: str, value: object, most: float) -> None:
+    remedy = f"give a number from 0 to {most}"
+    _check(isinstance(value, int | float), what, value, remedy)
+    _check(0 <= value <= most, what, value, remedy)  # type: ignore[operator]
+
+
 @dataclass(frozen=True)
 class PrepareSettings:
     """How one mesh is made ready for matching (sections 4 and 5).
@@ -117,10 +123,8 @@ class MatchSettings(PrepareSettings):
         for name in ("min_fraction", "threshold", "recovery_radius"):
             value = getattr(self, name)
             if value is not None:
-                _check(isinstance(value, int | float), name, value, "give a number from 0 to 1")
-                _check(0 <= value <= 1, name, value, "give a number from 0 to 1")
-        _check(isinstance(self.spacing, int | float), "spacing", self.spacing, "give a number from 0 to 0.2")
-        _check(0 <= self.spacing <= 0.2, "spacing", self.spacing, "give a number from 0 to 0.2")
+                _check_number(name, value, 1)
+        _check_number("spacing", self.spacing, 0.2)
         _check(isinstance(self.epsilon, int | float), "epsilon", self.epsilon, "give a positive number")
         _check(0 < self.epsilon < float("inf"), "epsilon", self.epsilon, "give a positive number")
         _check_choice("assignment", self.assignment, ("greedy", "linear"))

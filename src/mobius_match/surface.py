@@ -10,7 +10,6 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from scipy.sparse import csr_matrix
 from scipy.sparse.csgraph import dijkstra
 from threadpoolctl import threadpool_limits
 
@@ -18,7 +17,7 @@ from .detail import Detail, simplified
 from .errors import MeshError
 from .flattening import choose_cut_face, flatten, vertex_positions
 from .geometry.curvature import gauss_curvature, mean_curvature
-from .geometry.geodesics import geodesic_solver, heat_solver, nearest_centres
+from .geometry.geodesics import geodesic_solver, graph_of, heat_solver, nearest_centres
 from .geometry.laplacian import intrinsic_mesh
 from .geometry.spectral import eigenbasis, wave_kernel_signature
 from .mesh import Mesh, as_mesh, repair, require_matchable
@@ -39,7 +38,7 @@ RELIEF, FLAT = 2.0, 1.0
 standard deviation that they are taken to have at least: a sphere has none."""
 
 NEARBY = 0.2
-"""Length per sqrt(area) up to which ways between the proxy's vertices are known."""
+"""Length per sqrt(area) up to which ways between the proxy's vertices are known: the greatest spacing of matches."""
 
 LEVELS = slice(4, None, 8)
 """Levels of the 100 of the wave kernel signature that all vertices are described by."""
@@ -170,11 +169,14 @@ class Surface:
     @cached_property
     def proxy_ways(self) -> np.ndarray:
         """Lengths (P, P) per sqrt(area) of the shortest ways along the proxy's edges; infinite beyond 0.2."""
-        points, (start, end) = self.mesh.vertices[self.proxy], self.proxy_edges.T
-        lengths = np.linalg.norm(points[start] - points[end], axis=1) / np.sqrt(self.area)
-        return np.asarray(
-            dijkstra(csr_matrix((lengths, (start, end)), [len(points)] * 2), directed=False, limit=NEARBY)
-        )
+        graph = graph_of(self.mesh.vertices[self.proxy], self.proxy_edges)
+        graph.data /= np.sqrt(self.area)
+        return np.asarray(dijkstra(graph, directed=False, limit=NEARBY))
+
+    @cached_property
+    def homes(self) -> np.ndarray:
+        """(n,) int64: place in ``proxy`` of the vertex that is nearest to each vertex of the mesh, along edges."""
+        return nearest_centres(self.mesh.vertices / np.sqrt(self.area), self.mesh.faces, self.proxy)
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write the surface to a file (numpy's .npz); an existing one is replaced at once or not at all."""

@@ -42,17 +42,21 @@ def errors(record: dict[str, Any], variant: str, dense: bool = False) -> np.ndar
     lists = record["dense"] if dense else record
     if variant == "better":
         both = [found for v in ("direct", "mirrored") if (found := errors(record, v, dense)) is not None]
-        decisive = [mean(found if dense else found[~np.isnan(found)][:MANY]) for found in both]
+        decisive = [mean(found if dense else known_of(found)[:MANY]) for found in both]
         return both[int(np.argmin(np.nan_to_num(decisive, nan=np.inf)))] if both else None
     if not lists or lists.get(variant) is None:
         return None
     return np.array(lists[variant], np.float64)  # JSON's null becomes NaN
 
 
+def known_of(values: np.ndarray) -> np.ndarray:
+    """The values that are not NaN."""
+    return np.asarray(values[~np.isnan(values)])
+
+
 def mean(values: Any) -> float:
     """The mean of what is known; NaN of nothing."""
-    values = np.asarray(values, np.float64)
-    known = values[~np.isnan(values)]
+    known = known_of(np.asarray(values, np.float64))
     return float(known.mean()) if len(known) else float("nan")
 
 
@@ -62,7 +66,7 @@ def princeton(record: dict[str, Any]) -> float:
 
 
 def _share(found: np.ndarray, limit: float) -> float:
-    known = found[~np.isnan(found)]
+    known = known_of(found)
     return float((known <= limit).mean()) if len(known) else float("nan")
 
 
@@ -83,7 +87,7 @@ def measures(record: dict[str, Any], variant: str) -> dict[str, float]:
     found = np.zeros(0) if found is None else found
     dense = np.zeros(0) if dense is None else dense
     # Where the truth is a few landmarks, most matches are nearest to none of them.
-    known = found[~np.isnan(found)]
+    known = known_of(found)
     few = known[:FEW]
     first = float(len(few) == FEW and bool((few <= CLOSE).all()))
     many, factor = mean(known[:MANY]), princeton(record)
@@ -137,7 +141,7 @@ def cumulative(records: list[dict[str, Any]], variant: str, dense: bool = False)
     curves = []
     for record in done(records):
         found = errors(record, variant, dense)
-        if found is not None and len(known := np.sort(found[~np.isnan(found)] * princeton(record))):
+        if found is not None and len(known := np.sort(known_of(found) * princeton(record))):
             curves.append(np.searchsorted(known, THRESHOLDS, side="right") / len(known))
     return np.mean(curves, axis=0) if curves else None
 
@@ -154,7 +158,7 @@ def matrix(records: list[dict[str, Any]], variant: str, columns: int) -> np.ndar
 
 def over_pairs(table: np.ndarray, reduce: Callable[[np.ndarray], Any]) -> np.ndarray:
     """``reduce`` (mean, median) of the known entries of each column; NaN where there are none."""
-    columns = [column[~np.isnan(column)] for column in table.T]
+    columns = [known_of(column) for column in table.T]
     return np.array([float(reduce(column)) if len(column) else np.nan for column in columns])
 
 
@@ -208,7 +212,7 @@ def seconds(records: list[dict[str, Any]]) -> dict[str, dict[str, float]]:
 def memory(records: list[dict[str, Any]]) -> dict[str, float]:
     """Mean and largest of the workers' peaks, in MB."""
     peaks = np.array([record["memory_mb"] for record in done(records)], np.float64)
-    peaks = peaks[~np.isnan(peaks)]
+    peaks = known_of(peaks)
     return {"mean": float(peaks.mean()), "largest": float(peaks.max())} if len(peaks) else {}
 
 

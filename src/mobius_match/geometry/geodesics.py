@@ -98,10 +98,14 @@ def edge_graph(vertices: np.ndarray, faces: np.ndarray) -> sp.csr_matrix:
     """Edge lengths (n, n) in the units of the mesh, each edge once."""
     tail, head = faces.ravel(), faces[:, [1, 2, 0]].ravel()
     keys = np.unique(np.minimum(tail, head) * len(vertices) + np.maximum(tail, head))
-    ends = np.stack([keys // len(vertices), keys % len(vertices)], axis=1)
-    lengths = np.linalg.norm(vertices[ends[:, 0]] - vertices[ends[:, 1]], axis=1)
+    return graph_of(vertices, np.stack([keys // len(vertices), keys % len(vertices)], axis=1))
+
+
+def graph_of(points: np.ndarray, edges: np.ndarray) -> sp.csr_matrix:
+    """Lengths (n, n) of edges (E, 2) between points (n, 3), each edge once."""
+    lengths = np.linalg.norm(points[edges[:, 0]] - points[edges[:, 1]], axis=1)
     lengths = np.maximum(lengths, np.finfo(float).tiny)  # a length of zero would be no edge
-    return sp.csr_matrix((lengths, (ends[:, 0], ends[:, 1])), shape=(len(vertices),) * 2)
+    return sp.csr_matrix((lengths, (edges[:, 0], edges[:, 1])), shape=(len(points),) * 2)
 
 
 def nearest_centres(vertices: np.ndarray, faces: np.ndarray, centres: np.ndarray) -> np.ndarray:
