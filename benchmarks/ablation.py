@@ -1,8 +1,8 @@
 """Make docs/ablation.md: what each ingredient of the default settings is worth, by leaving it out alone.
 
-    python benchmarks/ablation.py DATA [-o docs/ablation.md] [--every K]
+    python benchmarks/ablation.py DATA... [-o docs/ablation.md] [--every K] [--both-ways] [--seeds N] [--rows TEXT...]
 
-DATA is an evaluation set, or a folder of such sets. Takes about a second a pair and row on each processor.
+DATA is an evaluation set, or a folder of such sets. Takes one to three seconds a run and row on each processor.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ import mobius_match as mm
 from mobius_match import confidence, evidence, hypotheses, registration, spreading
 from mobius_match.correspondence import write_atomically
 from mobius_match.errors import FormatError
-from mobius_match.evaluation import Case, find_dataset, summary
+from mobius_match.evaluation import Case, Truth, find_dataset, summary
 from mobius_match.evaluation.pool import Died, Workers
 from mobius_match.evaluation.work import match_pair, prepare_one, record_of, surface_path
 from mobius_match.geometry.transport import Transport
@@ -33,14 +33,32 @@ from mobius_match.settings import make_settings
 from mobius_match.surface import Surface
 from mobius_match.voting import tally
 
-HEADING = """# Ablation
+HEADING = """# Ablation{where}
 
 What each ingredient of the default settings is worth: one is left out at a time, everything else stays. For each set:
 mean error of the first 15 / mean error of the first 45 / share of pairs whose first 15 are all within 3 % / wrong pairs
 (mean of the first 45 above 0.10, or no match). Errors are geodesic distances (heat method) per diameter of the target;
-where a set has landmarks, that of the match nearest to each landmark. What the choice between explanations goes by
-shows on few pairs only, and a selection may have none of them.
+where a set has landmarks, that of the match nearest to each landmark.
 """
+
+PAGES = {
+    "ablation.md": (
+        "",
+        """
+What finds and chooses the right explanation decides few pairs only, and a selection may have none of them: it is
+measured once more [where shapes differ](ablation-differing.md), on many runs.
+""",
+    ),
+    "ablation-differing.md": (
+        " where shapes differ",
+        """
+Here each pair of shapes that differ is matched both ways round and with several seeds. The rows are those ingredients
+whose worth [fewer runs of all sets](ablation.md) show badly or not at all: they keep the program from a wrong
+explanation, so the number of wrong pairs, the last of each cell, tells most.
+""",
+    ),
+}
+"""How the title of the page of that name goes on, and what it says besides."""
 
 
 def alike(signatures1: np.ndarray, signatures2: np.ndarray) -> np.ndarray:
@@ -130,14 +148,14 @@ WITHOUT: dict[str, tuple[dict[str, Any], Patches]] = {
 }
 
 
-def records_without(case: Case, folder: Path) -> dict[str, dict[str, Any]]:
+def records_without(case: Case, folder: Path, names: list[str], seed: int) -> dict[str, dict[str, Any]]:
     """The records of one pair, by what was left out."""
-    return {name: record_without(case, folder, name) for name in WITHOUT}
+    return {name: record_without(case, folder, name, seed) for name in names}
 
 
-def record_without(case: Case, folder: Path, name: str) -> dict[str, Any]:
+def record_without(case: Case, folder: Path, name: str, seed: int = 0) -> dict[str, Any]:
     settings, patches = WITHOUT[name]
-    chosen = make_settings(**settings, jobs=1)
+    chosen = make_settings(**settings, jobs=1, seed=seed)
     # A preparation of its own for settings that change it.
     place = folder / "-".join(str(value) for value in vars(chosen.preparation()).values())
     for mesh in (case.source, case.target):
@@ -149,52 +167,85 @@ def record_without(case: Case, folder: Path, name: str) -> dict[str, Any]:
         return record_of(match_pair, case, "heat", place, chosen, False)
 
 
+def reversed_case(case: Case) -> Case:
+    """The same pair the other way round."""
+    truth = Truth(case.truth.target, case.truth.source, landmarks=case.truth.landmarks)
+    return Case(f"{case.target.stem}-{case.source.stem}", case.category, case.target, case.source, truth)
+
+
 def cell(records: list[dict[str, Any]]) -> str:
     found = summary.headline(records, "direct")
     wrong = found["wrong"] + sum(record["status"] != "done" for record in records)
     return f"{found['mean15']:.4f} / {found['mean45']:.4f} / {found['first15_close']:.0%} / {wrong:.0f}"
 
 
-def page(sets: Mapping[str, list[dict[str, dict[str, Any]]]], command: str) -> str:
+def page(sets: Mapping[str, list[dict[str, dict[str, Any]]]], names: list[str], page_name: str, command: str) -> str:
     titles = [f"{name} ({len(found)})" for name, found in sets.items()]
     lines = [f"| left out | {' | '.join(titles)} |", "|---" * (len(sets) + 1) + "|"]
-    for name in WITHOUT:
+    for name in names:
         cells = [cell([records[name] for records in found]) for found in sets.values()]
         lines.append(f"| {name} | {' | '.join(cells)} |")
-    return HEADING + "\n" + "\n".join(lines) + f"\n\nMade by one command:\n\n    {command}\n"
+    where, more = PAGES.get(page_name, ("", ""))
+    return HEADING.format(where=where) + more + "\n" + "\n".join(lines) + f"\n\nMade by one command:\n\n    {command}\n"
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("data", type=Path)
+    parser.add_argument("data", type=Path, nargs="+")
     parser.add_argument("-o", "--output", type=Path, default=Path("docs/ablation.md"))
     parser.add_argument("--every", type=int, default=1, help="only every K-th pair of each set (1)")
+    parser.add_argument("--both-ways", action="store_true", help="each pair the other way round, too")
+    parser.add_argument("--seeds", type=int, default=1, help="how many seeds, from 0 (1)")
+    parser.add_argument("--rows", nargs="+", default=[""], help="only rows whose names begin with one of these texts")
     options = parser.parse_args()
-    if options.every < 1:
-        parser.error("--every: give 1 or more")
+    if options.every < 1 or options.seeds < 1:
+        parser.error("--every, --seeds: give 1 or more")
     if not options.output.parent.is_dir():
         parser.error(f"--output: there is no folder {options.output.parent}")
+    nothing, *others = WITHOUT
+    names = [nothing, *(name for name in others if name.startswith(tuple(options.rows)))]
     sets: dict[str, list[Case]] = {}
-    for folder in [options.data, *sorted(path for path in options.data.iterdir() if path.is_dir())]:
+    for folder in [path for data in options.data for path in (data, *sorted(data.glob("*/")))]:
         try:
-            sets[folder.name] = list(find_dataset(folder).cases)[:: options.every]
+            cases = list(find_dataset(folder).cases)[:: options.every]
         except FormatError as error:
             print(f"left out: {error}", file=sys.stderr)
+        else:
+            sets[folder.name] = cases + [reversed_case(case) for case in cases] * options.both_ways
     if not sets:
-        sys.exit(f"{options.data}: neither an evaluation set nor a folder of such sets")
-    chosen = {f"{name} {case.name}": case for name, cases in sets.items() for case in cases}
+        sys.exit(f"{options.data[0]}: neither an evaluation set nor a folder of such sets")
+    runs = {
+        f"{name} {case.name} {seed}": (case, seed)
+        for name, cases in sets.items()
+        for case in cases
+        for seed in range(options.seeds)
+    }
     found: dict[str, dict[str, dict[str, Any]]] = {}
-    with tempfile.TemporaryDirectory() as folder, Workers(min(os.cpu_count() or 1, len(chosen))) as workers:
-        jobs = {name: (case, Path(folder)) for name, case in chosen.items()}
-        for name, records in workers.results(records_without, jobs):
+    with tempfile.TemporaryDirectory() as folder, Workers(min(os.cpu_count() or 1, len(runs))) as workers:
+        jobs = {run: (case, Path(folder), names, seed) for run, (case, seed) in runs.items()}
+        for run, records in workers.results(records_without, jobs):
             if records is Died:
-                sys.exit(f"{name}: its process ended; most often there is not enough memory")
-            found[name] = records
-            print(f"{len(found)} of {len(chosen)}: {name}", file=sys.stderr, flush=True)
-    command = "python benchmarks/ablation.py DATA" + (f" --every {options.every}" if options.every > 1 else "")
-    text = page({name: [found[f"{name} {case.name}"] for case in cases] for name, cases in sets.items()}, command)
+                sys.exit(f"{run}: its process ended; most often there is not enough memory")
+            found[run] = records
+            print(f"{len(found)} of {len(runs)}: {run}", file=sys.stderr, flush=True)
+    by_set = {
+        name: [found[f"{name} {case.name} {seed}"] for case in cases for seed in range(options.seeds)]
+        for name, cases in sets.items()
+    }
+    text = page(by_set, names, options.output.name, command_line(options))
     write_atomically(options.output, text.encode())
     print(text)
+
+
+def command_line(options: argparse.Namespace) -> str:
+    """What makes the page again, whatever folder the data are in."""
+    folders = ["DATA"] if len(options.data) == 1 else [f"DATA/{data.name}" for data in options.data]
+    words = ["python benchmarks/ablation.py", *folders]
+    words += [f"-o {options.output}"] * (options.output != Path("docs/ablation.md"))
+    words += [f"--every {options.every}"] * (options.every > 1)
+    words += ["--both-ways"] * options.both_ways + [f"--seeds {options.seeds}"] * (options.seeds > 1)
+    words += ["--rows " + " ".join(f"'{row}'" for row in options.rows)] * (options.rows != [""])
+    return " ".join(words)
 
 
 if __name__ == "__main__":

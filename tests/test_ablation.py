@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import mobius_match as mm
-from benchmarks.ablation import WITHOUT, record_without
+from benchmarks.ablation import WITHOUT, record_without, reversed_case
 from mobius_match import examples
 from mobius_match.evaluation import Case, Truth
 from mobius_match.evaluation.summary import headline
@@ -39,3 +39,10 @@ def test_a_pair_is_matched_without_it_and_worse_without_the_registration(case, t
     assert {record["error"] for record in records.values()} == {None}
     whole, unbent = (headline([records[name]], "direct")["mean45"] for name in ("nothing left out", "registration"))
     assert whole < unbent
+
+
+def test_a_pair_is_matched_the_other_way_round(case, tmp_path):
+    back = reversed_case(case)
+    assert (back.source, back.target) == (case.target, case.source)
+    record = record_without(back, tmp_path, "nothing left out", seed=1)
+    assert headline([record], "direct")["mean45"] < 0.05
