@@ -1,14 +1,13 @@
 """How far a match can be trusted: the chance that it lies within 5 % of the diameter of its true place.
 
 Beyond the paper, whose confidence is a share of the votes. Each vertex of the source's proxy is asked how well its
-place on the target agrees with all that is known around it; five answers together give the chance.
+place on the target agrees with all that is known around it; four answers together give the chance.
 """
 
 from __future__ import annotations
 
 import numpy as np
 
-from .geometry.curvature import ranks
 from .mesh.measure import cross_products
 from .registration import Registration, edge_stretches
 from .surface import Surface
@@ -25,11 +24,11 @@ AROUND = 0.12
 NEIGHBOURS = 4
 """Vertices of the proxy that a distance is interpolated from."""
 
-FLOORS = {"distances": 0.01, "misfit": 0.01, "stretch": 0.02, "firmness": 0.02, "gauss curvature": 0.5}
+FLOORS = {"distances": 0.01, "misfit": 0.01, "stretch": 0.02, "firmness": 0.02}
 """What each kind of evidence is at least, in the units it is measured in, so that its logarithm tells little near 0."""
 
-SLOPES = {"distances": -1.03, "misfit": -2.56, "stretch": -0.95, "firmness": 0.66, "gauss curvature": -0.40}
-OFFSET = -10.48
+SLOPES = {"distances": -1.03, "misfit": -2.56, "stretch": -0.95, "firmness": 0.66}
+OFFSET = -10.46
 """Logistic regression of being right on the logarithms of the evidence, over animals and people in many poses: the
 ratio of the slopes for what ranks first being within 2 or 3 % of the diameter, their size and the offset for 5 %."""
 
@@ -52,11 +51,7 @@ def chances(source: Surface, target: Surface, registration: Registration, distan
 def evidence(
     source: Surface, target: Surface, registration: Registration, distances: np.ndarray
 ) -> dict[str, np.ndarray]:
-    """What speaks for the place of each vertex of the proxy ("firmness") or against it, (P1,); see :func:`chances`.
-
-    The last is the rank of the source's Gauss curvature, from 0 (in a saddle, close to all that is around) to 1 (at the
-    end of a limb, where errors add up).
-    """
+    """What speaks for the place of each vertex of the proxy ("firmness") or against it, (P1,); see :func:`chances`."""
     # Distances from the places to the target's samples, and from the source's samples to where those come from.
     here, there = _distances_to_origins(source, target, registration), distances / np.sqrt(target.area)
     weight = np.exp(-np.minimum(here, there) / NEAR)
@@ -68,7 +63,6 @@ def evidence(
         "misfit": beside @ registration.misfit,
         "stretch": beside @ stretched(source, target, registration),
         "firmness": firmness(target, target.mesh.vertices[registration.image]),
-        "gauss curvature": ranks(source.curvatures[0, source.proxy]) / len(source.proxy),
     }
 
 
