@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import argparse
 import os
+import shlex
 import sys
 import tempfile
 from collections.abc import Callable, Mapping
@@ -244,7 +245,7 @@ def command_line(options: argparse.Namespace) -> str:
     words += [f"-o {options.output}"] * (options.output != Path("docs/ablation.md"))
     words += [f"--every {options.every}"] * (options.every > 1)
     words += ["--both-ways"] * options.both_ways + [f"--seeds {options.seeds}"] * (options.seeds > 1)
-    words += ["--rows " + " ".join(f"'{row}'" for row in options.rows)] * (options.rows != [""])
+    words += ["--rows " + shlex.join(options.rows)] * (options.rows != [""])
     return " ".join(words)
 
 

@@ -49,7 +49,10 @@ def start_mobius():
     def start(*arguments, **options):
         command = [sys.executable, "-c", "from mobius_match.cli import main; main()", *map(str, arguments)]
         pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True, "env": dict(os.environ)}
+        # Tests that run in the background ignore interrupts, and so would what they start.
+        handler = signal.signal(signal.SIGINT, signal.default_int_handler)
         started.append(subprocess.Popen(command, **(pipes | options)))
+        signal.signal(signal.SIGINT, handler)
         return started[-1]
 
     yield start
