@@ -38,7 +38,7 @@ def test_a_wrong_place_is_doubted_and_the_others_are_not(copy):
     wrong = replace(registration, image=image)
     found = chances(surface, surface, wrong, distances_of_places(surface, surface, wrong))
     # The doubt spreads to what lies around.
-    assert (found < found[here]).mean() < 0.01
+    assert (found < found[here]).mean() < 0.02
     assert surface.proxy_ways[here, np.argmin(found)] < 0.1
     assert np.median(found) > 0.95
 
