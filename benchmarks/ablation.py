@@ -205,22 +205,20 @@ def main() -> None:
         parser.error(f"--output: there is no folder {options.output.parent}")
     nothing, *others = WITHOUT
     names = [nothing, *(name for name in others if name.startswith(tuple(options.rows)))]
-    sets: dict[str, list[Case]] = {}
+    sets: dict[str, dict[str, tuple[Case, int]]] = {}
     for folder in [path for data in options.data for path in (data, *sorted(data.glob("*/")))]:
         try:
             cases = list(find_dataset(folder).cases)[:: options.every]
         except FormatError as error:
             print(f"left out: {error}", file=sys.stderr)
         else:
-            sets[folder.name] = cases + [reversed_case(case) for case in cases] * options.both_ways
+            cases += [reversed_case(case) for case in cases] * options.both_ways
+            sets[folder.name] = {
+                f"{folder.name} {c.name} {seed}": (c, seed) for c in cases for seed in range(options.seeds)
+            }
     if not sets:
         sys.exit(f"{options.data[0]}: neither an evaluation set nor a folder of such sets")
-    runs = {
-        f"{name} {case.name} {seed}": (case, seed)
-        for name, cases in sets.items()
-        for case in cases
-        for seed in range(options.seeds)
-    }
+    runs = {run: chosen for of_set in sets.values() for run, chosen in of_set.items()}
     found: dict[str, dict[str, dict[str, Any]]] = {}
     with tempfile.TemporaryDirectory() as folder, Workers(min(os.cpu_count() or 1, len(runs))) as workers:
         jobs = {run: (case, Path(folder), names, seed) for run, (case, seed) in runs.items()}
@@ -229,10 +227,7 @@ def main() -> None:
                 sys.exit(f"{run}: its process ended; most often there is not enough memory")
             found[run] = records
             print(f"{len(found)} of {len(runs)}: {run}", file=sys.stderr, flush=True)
-    by_set = {
-        name: [found[f"{name} {case.name} {seed}"] for case in cases for seed in range(options.seeds)]
-        for name, cases in sets.items()
-    }
+    by_set = {name: [found[run] for run in of_set] for name, of_set in sets.items()}
     text = page(by_set, names, options.output.name, command_line(options))
     write_atomically(options.output, text.encode())
     print(text)
