@@ -20,10 +20,11 @@ demo: $(READY) ## match the shipped pairs of meshes, write results, pictures and
 test: $(READY) ## run the tests
 	@$(BIN)/python -m pytest
 
-lint: $(READY) ## check style and types
+lint: $(READY) ## check style, types, and that imports point down the floors
 	@$(BIN)/ruff check .
 	@$(BIN)/ruff format --check .
 	@$(BIN)/mypy
+	@$(BIN)/lint-imports --no-logo
 
 docs: $(READY) ## make the documentation site in build/docs; warnings and broken links are errors
 	@$(BIN)/sphinx-build --nitpicky --fail-on-warning --keep-going --write-all --quiet -d build/doctrees docs build/docs

@@ -22,17 +22,21 @@ from unittest.mock import patch
 import numpy as np
 
 import mobius_match as mm
-from mobius_match import confidence, evidence, hypotheses, registration, spreading
-from mobius_match.correspondence import write_atomically
+from mobius_match._core.files import write_atomically
+from mobius_match._core.processes import Died, Workers
 from mobius_match.errors import FormatError
 from mobius_match.evaluation import Case, Truth, find_dataset, summary
-from mobius_match.evaluation.pool import Died, Workers
 from mobius_match.evaluation.work import match_pair, prepare_one, record_of, surface_path
-from mobius_match.geometry.transport import Transport
-from mobius_match.registration import Registration
+from mobius_match.explanations import coarse_map as spreading
+from mobius_match.explanations import cost as evidence
+from mobius_match.explanations import explanation as hypotheses
+from mobius_match.geometry.optimal_transport import Transport
+from mobius_match.registration import confidence
+from mobius_match.registration import register as registration
+from mobius_match.registration.register import Registration
 from mobius_match.settings import make_settings
-from mobius_match.surface import Surface
-from mobius_match.voting import tally
+from mobius_match.surface.surface import Surface
+from mobius_match.voting import votes as tally
 
 HEADING = """# Ablation{where}
 

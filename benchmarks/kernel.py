@@ -19,11 +19,11 @@ import numpy as np
 import plain_kernel
 
 import mobius_match as mm
-from mobius_match import examples
-from mobius_match.mobius import homogeneous
+from mobius_match.mesh import examples
 from mobius_match.voting import kernel, nearest, sweep
+from mobius_match.voting.mobius import homogeneous
 from mobius_match.voting.proposals import uniform_triplets
-from mobius_match.voting.tally import DEFAULT_MIN_FRACTION, WEIGHT_POWER, WEIGHT_SCALE
+from mobius_match.voting.votes import DEFAULT_MIN_FRACTION, WEIGHT_POWER, WEIGHT_SCALE
 
 VERSIONS = ("kernel", "all pairs", "spherical", "weighed", "plain", "numpy")
 SIZES = (50, 100, 200, 500, 1000)

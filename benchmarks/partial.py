@@ -19,7 +19,7 @@ from changes import cases, cut, errors
 from scipy.sparse.csgraph import dijkstra
 
 import mobius_match as mm
-from mobius_match.correspondence import write_atomically
+from mobius_match._core.files import write_atomically
 from mobius_match.evaluation import Case, Truth
 from mobius_match.evaluation.scoring import cached_diameter
 from mobius_match.geometry.geodesics import edge_graph

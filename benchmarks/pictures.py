@@ -11,11 +11,11 @@ from pathlib import Path
 import numpy as np
 
 import mobius_match as mm
-from mobius_match import examples
-from mobius_match.dense.morph import morph
-from mobius_match.dense.refine import edges_of
-from mobius_match.dense.transfer import Carrier
-from mobius_match.figures import draw_shapes, png
+from mobius_match.exporting.figures import draw_shapes, png
+from mobius_match.mesh import examples
+from mobius_match.mesh.topology import edges_of
+from mobius_match.transfer.morph import morph
+from mobius_match.transfer.transfer import Carrier
 
 SIZE = 420
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 import numba
 import numpy as np
 
-from mobius_match.mobius import CANONICAL_TRIANGLE
+from mobius_match.voting.mobius import CANONICAL_TRIANGLE
 
 Y1, Y2, Y3 = (complex(y) for y in CANONICAL_TRIANGLE)
 TO_TRIANGLE = np.linalg.inv(np.array([[Y2 - Y3, Y1 * Y3 - Y1 * Y2], [Y2 - Y1, Y1 * Y3 - Y3 * Y2]]))

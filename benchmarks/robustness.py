@@ -20,9 +20,9 @@ import numpy as np
 from changes import CHANGES, cases, errors
 
 import mobius_match as mm
-from mobius_match.correspondence import write_atomically
+from mobius_match._core.files import write_atomically
+from mobius_match._core.processes import Died, Workers
 from mobius_match.evaluation import Case, summary
-from mobius_match.evaluation.pool import Died, Workers
 from mobius_match.evaluation.scoring import cached_diameter, mesh_area
 
 HEADING = """# Robustness

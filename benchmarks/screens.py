@@ -14,7 +14,8 @@ from pathlib import Path
 from PIL import Image
 
 import mobius_match as mm
-from mobius_match import examples, viewer
+from mobius_match import viewer
+from mobius_match.mesh import examples
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 from tests.viewer.chromium import Chromium

@@ -22,8 +22,7 @@ from pathlib import Path
 import numpy as np
 
 import mobius_match as mm
-from mobius_match import examples
-from mobius_match.mesh import read_mesh, repair
+from mobius_match.mesh import examples, read_mesh, repair
 from mobius_match.mesh.measure import unit_box
 from mobius_match.mesh.simplify import simplify
 

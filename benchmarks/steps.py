@@ -16,16 +16,16 @@ import numpy as np
 from matplotlib.collections import LineCollection
 
 import mobius_match as mm
-from mobius_match import examples
-from mobius_match.correspondence import write_atomically
-from mobius_match.dense.transfer import Carrier
-from mobius_match.figures import colours_of, draw_matches
-from mobius_match.flattening import choose_cut_face, flatten, vertex_positions
+from mobius_match._core.files import write_atomically
+from mobius_match.explanations.candidates import explanations
+from mobius_match.explanations.coarse_map import finer_targets
+from mobius_match.exporting.figures import colours_of, draw_matches
 from mobius_match.geometry.laplacian import intrinsic_mesh
-from mobius_match.hypotheses import explanations
-from mobius_match.matrix_processing import max_row_column, normalized
-from mobius_match.mobius import CANONICAL_TRIANGLE, apply, from_three_points
-from mobius_match.spreading import finer_targets
+from mobius_match.mesh import examples
+from mobius_match.surface.flattening import choose_cut_face, flatten, vertex_positions
+from mobius_match.transfer.transfer import Carrier
+from mobius_match.voting.assignment import max_row_column, normalized
+from mobius_match.voting.mobius import CANONICAL_TRIANGLE, apply, from_three_points
 
 GREY = "0.82"
 SQUARE = np.array([-1, 1])

@@ -12,9 +12,9 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import mobius_match as mm
-from mobius_match import examples
-from mobius_match.dense.morph import morph
-from mobius_match.figures import draw_shapes
+from mobius_match.exporting.figures import draw_shapes
+from mobius_match.mesh import examples
+from mobius_match.transfer.morph import morph
 
 # %%
 # A small collection: four poses between the two of the person. They have the reference's triangles, so that the truth

@@ -9,10 +9,10 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import mobius_match as mm
-from mobius_match import examples
-from mobius_match.dense.animation import animated_glb
-from mobius_match.dense.morph import morph
-from mobius_match.figures import draw_shapes
+from mobius_match.exporting.figures import draw_shapes
+from mobius_match.mesh import examples
+from mobius_match.transfer.animation import animated_glb
+from mobius_match.transfer.morph import morph
 
 dense = mm.match(*examples.paths("quadruped"), seed=0).dense()
 shapes = morph(dense, np.linspace(0, 1, 5))

@@ -11,45 +11,63 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from .errors import FormatError, MeshError, MobiusError, NothingFoundError, SettingsError, TopologyError
+from .results.actions import provide
 
 if TYPE_CHECKING:
-    from .correspondence import Correspondence
-    from .dense import SurfaceMap
-    from .dense.quality import Quality, isometric_distance, quality
-    from .export import read_landmarks
-    from .matching import match
-    from .mesh import Mesh, read_mesh
-    from .mirror import Symmetry, symmetry
-    from .preparing import prepare
-    from .rematching import rematch
+    from .evaluation.quality import Quality, isometric_distance, quality
+    from .exporting.figures import draw_matches, draw_shapes
+    from .exporting.formats import export
+    from .landmarks.formats import read_landmarks
+    from .landmarks.tables import Landmarks
+    from .matching.match import match
+    from .matching.rematch import rematch
+    from .matching.symmetry.symmetry import Symmetry, symmetry
+    from .mesh import Mesh, examples, read_mesh
+    from .results.correspondence import Correspondence
+    from .results.surface_map import SurfaceMap
     from .settings import MatchSettings, PrepareSettings
-    from .surface import Surface
+    from .surface.prepare import prepare
+    from .surface.surface import Surface
+    from .transfer.animation import animated_glb
+    from .transfer.morph import morph
+    from .viewer import page
 
 __version__ = "0.1.0"
 
 # Names that need numerical libraries are imported when they are first used, so that the command answers at once.
 _HOMES = {
-    "Correspondence": "correspondence",
+    "animated_glb": "transfer.animation",
+    "Correspondence": "results.correspondence",
+    "draw_matches": "exporting.figures",
+    "draw_shapes": "exporting.figures",
+    "export": "exporting.formats",
+    "isometric_distance": "evaluation.quality",
+    "Landmarks": "landmarks.tables",
+    "match": "matching.match",
     "MatchSettings": "settings",
     "Mesh": "mesh",
+    "morph": "transfer.morph",
+    "page": "viewer",
+    "prepare": "surface.prepare",
     "PrepareSettings": "settings",
-    "Quality": "dense",
-    "Surface": "surface",
-    "SurfaceMap": "dense",
-    "Symmetry": "mirror",
-    "isometric_distance": "dense",
-    "match": "matching",
-    "quality": "dense",
-    "prepare": "preparing",
-    "read_landmarks": "export",
+    "Quality": "evaluation.quality",
+    "quality": "evaluation.quality",
+    "read_landmarks": "landmarks.formats",
     "read_mesh": "mesh",
-    "rematch": "rematching",
-    "symmetry": "mirror",
+    "rematch": "matching.rematch",
+    "Surface": "surface.surface",
+    "SurfaceMap": "results.surface_map",
+    "Symmetry": "matching.symmetry.symmetry",
+    "symmetry": "matching.symmetry.symmetry",
 }
+
+# What a result does by name, of rooms that it does not import itself.
+provide(show=f"{__name__}.viewer:show", export=f"{__name__}.exporting.formats:export")
 
 __all__ = [
     "Correspondence",
     "FormatError",
+    "Landmarks",
     "MatchSettings",
     "Mesh",
     "MeshError",
@@ -63,8 +81,15 @@ __all__ = [
     "Symmetry",
     "TopologyError",
     "__version__",
+    "animated_glb",
+    "draw_matches",
+    "draw_shapes",
+    "examples",
+    "export",
     "isometric_distance",
     "match",
+    "morph",
+    "page",
     "prepare",
     "quality",
     "read_landmarks",
@@ -75,6 +100,8 @@ __all__ = [
 
 
 def __getattr__(name: str) -> Any:
+    if name == "examples":
+        return import_module(".mesh.examples", __name__)
     if name in _HOMES:
         return getattr(import_module(f".{_HOMES[name]}", __name__), name)
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

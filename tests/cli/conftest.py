@@ -14,10 +14,10 @@ from PIL import Image
 
 import mobius_match as mm
 from mobius_match.cli import main
-from mobius_match.dense import SurfaceMap
 from mobius_match.geometry.points import SurfacePoints
 from mobius_match.mesh import repair
 from mobius_match.mesh.writing import mesh_files
+from mobius_match.results.surface_map import SurfaceMap
 
 
 class Ended(NamedTuple):

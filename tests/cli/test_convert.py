@@ -6,16 +6,16 @@ import numpy as np
 import pytest
 
 import mobius_match as mm
-from mobius_match.dense import SurfaceMap
-from mobius_match.dense.tables import Landmarks
-from mobius_match.export import FORMATS, export
+from mobius_match.exporting import FORMATS, export
+from mobius_match.landmarks.tables import Landmarks
+from mobius_match.results.surface_map import SurfaceMap
 
 
 @pytest.fixture(scope="module")
 def given(kept, tmp_path_factory):
     """A folder with a result of the meshes of ``kept``, written as it would be, and their map."""
     folder, surface_map, number, *_ = kept
-    some = np.flatnonzero(surface_map.found)[:20]
+    some = np.flatnonzero(surface_map.source_mapped)[:20]
     infos = [
         {"path": str(folder / name), "sha256": mm.read_mesh(folder / name).sha256, "vertices": 642, "faces": 1280}
         for name in ("one.ply", "two.ply")
@@ -90,7 +90,7 @@ def test_errors_of_convert(mobius, given, tmp_path, monkeypatch, arguments, code
 def test_landmarks_in_any_format_to_any_other_and_back(mobius, given, kept, tmp_path, start, end):
     """The map takes vertex to vertex: places come out as they are in the other file, to the last digit."""
     _, surface_map, number, lost, _ = kept
-    some = np.flatnonzero(surface_map.found)[3:8]
+    some = np.flatnonzero(surface_map.source_mapped)[3:8]
     gone = np.argsort(number)[lost][:1]
     source, target = surface_map.source.vertices, surface_map.target.vertices
     endings = FORMATS[start].endings[0], FORMATS[end].endings[0]
@@ -117,7 +117,7 @@ def test_landmarks_in_any_format_to_any_other_and_back(mobius, given, kept, tmp_
 
 def test_what_lies_beside_the_surface_or_is_missing_is_told(mobius, given, kept, tmp_path):
     _, surface_map, *_ = kept
-    some = np.flatnonzero(surface_map.found)[:3]
+    some = np.flatnonzero(surface_map.source_mapped)[:3]
     places = surface_map.source.vertices[some].copy()
     places[1] *= 1.5
     rows = [" ".join(map(repr, row)) for row in places.tolist()]
@@ -135,7 +135,7 @@ def test_what_lies_beside_the_surface_or_is_missing_is_told(mobius, given, kept,
 
 def test_a_file_in_the_other_system_is_converted(mobius, given, kept, tmp_path):
     _, surface_map, *_ = kept
-    some = np.flatnonzero(surface_map.found)[:4]
+    some = np.flatnonzero(surface_map.source_mapped)[:4]
     marks = Landmarks(list("abcd"), None, surface_map.source.vertices[some] * [-1, -1, 1])
     (tmp_path / "a.fcsv").write_bytes(FORMATS["fcsv"].marks([marks], "", "RAS"))
     for options, sign in (((), 1), (("--coordinate-system", "RAS"), None)):

@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 
 import mobius_match.matching
-from mobius_match.cli import Terminated
 from mobius_match.cli.common import exit_code
+from mobius_match.cli.signals import Terminated
 from mobius_match.errors import MobiusError
 
 LONG = ("--preset", "paper", "--samples", 60, "--votes", 10**9)

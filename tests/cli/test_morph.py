@@ -7,9 +7,9 @@ import pytest
 import trimesh
 from PIL import Image
 
-from mobius_match.dense import SurfaceMap
 from mobius_match.geometry.points import SurfacePoints
 from mobius_match.mesh import Mesh
+from mobius_match.results.surface_map import SurfaceMap
 
 
 @pytest.fixture(scope="module")

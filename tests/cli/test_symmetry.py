@@ -8,7 +8,7 @@ import pytest
 import trimesh
 from scipy.spatial import cKDTree
 
-from mobius_match.mirror import HARDLY
+from mobius_match.matching.symmetry.symmetry import HARDLY
 
 QUICK = ("--samples", 60, "--votes", 6000)
 

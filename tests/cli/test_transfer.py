@@ -76,7 +76,7 @@ def test_positions(mobius, kept, kind, tmp_path):
     ended = mobius("transfer", folder / "map.npz", "--what", "positions", "-o", tmp_path / f"out.{kind}")
     assert ended.code == 0, ended.err
     assert f"{lost.sum()} vertices have no counterpart" in ended.err
-    gone = ~surface_map.found
+    gone = ~surface_map.source_mapped
     if kind == "npz":
         found = np.load(tmp_path / "out.npz")
         np.testing.assert_array_equal(found["faces"], surface_map.source.faces)
@@ -93,7 +93,7 @@ def test_positions(mobius, kept, kind, tmp_path):
 def test_landmarks_and_curves(mobius, kept, tmp_path):
     folder, surface_map, number, lost, _ = kept
     source = surface_map.source
-    some = np.flatnonzero(surface_map.found)[:5]
+    some = np.flatnonzero(surface_map.source_mapped)[:5]
     marks = tmp_path / "marks.csv"
     marks.write_text(
         "name,vertex\n" + "".join(f"n{k},{i}\n" for k, i in enumerate([*some, np.argsort(number)[lost][0]]))

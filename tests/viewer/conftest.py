@@ -7,11 +7,11 @@ import pytest
 from PIL import Image
 
 from mobius_match import match
-from mobius_match.correspondence import Alternative, Correspondence
-from mobius_match.dense import SurfaceMap
 from mobius_match.evaluation import Truth
 from mobius_match.geometry.points import SurfacePoints
 from mobius_match.mesh import as_mesh, repair
+from mobius_match.results.correspondence import Alternative, Correspondence
+from mobius_match.results.surface_map import SurfaceMap
 from mobius_match.viewer import page
 from tests import shapes
 from tests.viewer.chromium import Chromium, find

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from matplotlib.image import imread
 
-from mobius_match.dense import SurfaceMap
+from mobius_match.results.surface_map import SurfaceMap
 from mobius_match.viewer import packing, page
 from tests.viewer.pages import ROWS, STATUS, Prepared, choose, downloaded, halves, info, move, saturated, take
 
@@ -133,7 +133,9 @@ def test_the_texture_is_on_both_and_follows_the_morph(browser, textured, tmp_pat
 
 def test_the_source_becomes_the_target_with_its_spheres(browser, result, mesh, dense, tmp_path):
     longer = replace(mesh, vertices=mesh.vertices * [1, 1.6, 1], sha256="longer")
-    across = SurfaceMap(mesh, longer, dense.points, dense.points, dense.found, dense.found)
+    across = SurfaceMap(
+        mesh, longer, dense.target_points, dense.target_points, dense.source_mapped, dense.source_mapped
+    )
     path = tmp_path / "page.html"
     target = replace(result, target=Prepared(longer), target_info=info(longer))
     path.write_text(page(target, dense=across), encoding="utf-8")

@@ -11,12 +11,12 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from mobius_match import Correspondence, FormatError, MeshError, SurfaceMap, examples, match, viewer
+from mobius_match import Correspondence, FormatError, MeshError, SurfaceMap, match, viewer
 from mobius_match.evaluation import Truth, metrics
 from mobius_match.geometry.points import SurfacePoints
-from mobius_match.mesh import as_mesh, repair
-from mobius_match.mobius import CANONICAL_TRIANGLE, cross_ratio
+from mobius_match.mesh import as_mesh, examples, repair
 from mobius_match.viewer import packing, page
+from mobius_match.voting.mobius import CANONICAL_TRIANGLE, cross_ratio
 from tests import shapes
 from tests.viewer.pages import Prepared, info, write_ply
 
@@ -130,7 +130,7 @@ def test_colours_go_by_the_map_and_nothing_is_grey(result, dense):
 def test_the_morph_begins_at_the_source_and_ends_at_the_target(result, dense):
     """Turned round and larger there: shapes between neither shrink nor leave the page."""
     turned = replace(dense.target, vertices=dense.target.vertices @ np.diag([-1.0, 1, -1]) * 2, sha256="other")
-    across = replace(dense, target=turned, back_found=dense.found)
+    across = replace(dense, target=turned, target_mapped=dense.source_mapped)
     other = replace(result, target=Prepared(turned), target_info=info(turned))
     content = element(page(other, dense=across), "shapes")
     start, end = (vertices(side) for side in content["sides"])
@@ -242,7 +242,9 @@ def test_votes_of_uniform_triplets_and_too_few_of_them():
 
 def test_a_map_of_other_meshes_is_refused(result, dense):
     other = repair(as_mesh(examples.paths("quadruped")[0]))
-    wrong = SurfaceMap(dense.source, other, dense.points, dense.back, dense.found, dense.back_found)
+    wrong = SurfaceMap(
+        dense.source, other, dense.target_points, dense.source_points, dense.source_mapped, dense.target_mapped
+    )
     with pytest.raises(MeshError, match="other meshes"):
         page(result, dense=wrong)
 

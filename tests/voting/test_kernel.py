@@ -5,17 +5,9 @@ import math
 import numpy as np
 import pytest
 
-from mobius_match.mobius import CANONICAL_TRIANGLE, INFINITY, apply, from_three_points, homogeneous
 from mobius_match.voting import nearest
-from mobius_match.voting.kernel import (
-    FAR,
-    TURN,
-    coordinates,
-    explained_pairs,
-    to_canonical,
-    vote,
-    vote_weighted,
-)
+from mobius_match.voting.kernel import FAR, TURN, coordinates, explained_pairs, to_canonical, vote, vote_weighted
+from mobius_match.voting.mobius import CANONICAL_TRIANGLE, INFINITY, apply, from_three_points, homogeneous
 from mobius_match.voting.proposals import uniform_triplets
 from mobius_match.voting.sweep import SEEDS, SWEEP_FROM, sweep
 

@@ -7,25 +7,13 @@ from __future__ import annotations
 
 import signal
 import sys
-from types import FrameType
 
-
-class Terminated(KeyboardInterrupt):
-    """The process was asked to end (SIGTERM); handled like Ctrl-C, so that nothing half-written stays."""
-
-
-def _terminate(_signal: int, _frame: FrameType | None) -> None:
-    raise Terminated
-
-
-def stopped(error: KeyboardInterrupt) -> tuple[int, str]:
-    """Exit code, as shells report it, and last line after an interruption."""
-    return (128 + 15, "terminated") if isinstance(error, Terminated) else (130, "interrupted")
+from .signals import stopped, terminate
 
 
 def main() -> None:
     """Run the command line on the arguments of the process, and exit."""
-    signal.signal(signal.SIGTERM, _terminate)
+    signal.signal(signal.SIGTERM, terminate)
     try:
         # A file name that is not text must not stop the program from showing it.
         for stream in (sys.stdout, sys.stderr):

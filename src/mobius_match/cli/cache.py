@@ -21,7 +21,7 @@ def cache(
     used for longest is deleted first when it gets too large. The environment variables MOBIUS_CACHE_DIR and
     MOBIUS_CACHE_MB name another folder, and how many megabytes it may have.
     """
-    from ..cache import cache_folder, cache_limit, clear_cache, kept
+    from ..surface.cache import cache_folder, cache_limit, clear_cache, kept
 
     folder, limit = cache_folder().absolute(), cache_limit()
     if clear:

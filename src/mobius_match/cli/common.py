@@ -13,7 +13,7 @@ from types import TracebackType
 from typing import TYPE_CHECKING, Any
 
 from ..errors import MeshError, MobiusError, NothingFoundError, SettingsError
-from . import stopped
+from .signals import stopped
 
 if TYPE_CHECKING:
     from rich.progress import Progress
@@ -138,7 +138,7 @@ class Reporter:
     @contextlib.contextmanager
     def compiling(self) -> Iterator[None]:
         """Say, once, what the user waits for if kernels have to be compiled meanwhile."""
-        from ..compiling import compiling, on_compiling
+        from .._core.compiling import compiling, on_compiling
 
         def tell() -> None:
             if not self.compiles:

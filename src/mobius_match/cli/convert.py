@@ -63,10 +63,10 @@ def convert(
     Number k of the source corresponds to number k of the target. Coordinates are those of the mesh files, which are
     read again from where they were.
     """
-    from ..correspondence import Correspondence
-    from ..dense import SurfaceMap
     from ..errors import SettingsError
-    from ..export import export, outputs_of
+    from ..exporting import export, outputs_of
+    from ..results.correspondence import Correspondence
+    from ..results.surface_map import SurfaceMap
 
     if out == STDOUT:
         raise SettingsError("OUT is a file, not standard output; name one.")

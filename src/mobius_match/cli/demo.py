@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     import numpy as np
     from rich.table import Table
 
-    from ..correspondence import Correspondence
+    from ..results.correspondence import Correspondence
 
 
 def demo(
@@ -31,7 +31,7 @@ def demo(
     The error of a match is the geodesic distance on the target from the matched vertex to the true point, as
     a fraction of the target's diameter.
     """
-    from .. import examples
+    from ..mesh import examples
     from ..viewer import page
 
     make_folder(output)

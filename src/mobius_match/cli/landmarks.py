@@ -17,8 +17,8 @@ from .results import ResultFile, load_map
 if TYPE_CHECKING:
     import numpy as np
 
-    from ..dense.tables import Landmarks
-    from ..dense.transfer import Carrier
+    from ..landmarks.tables import Landmarks
+    from ..transfer.transfer import Carrier
 
 FAR = 0.02
 """Distance from the surface, per diagonal of the mesh's box, from which on a landmark is told to lie beside it."""
@@ -55,8 +55,8 @@ def landmarks(
     Each is moved to the nearest point of the surface first. Those without counterpart are left out.
     """
     from ..errors import NothingFoundError
-    from ..export import marks_writer, read_landmarks
-    from ..export.slicer import check_system
+    from ..landmarks.formats import marks_writer, read_landmarks
+    from ..landmarks.slicer import check_system
 
     check_output("--output", output, [given, result])
     check_system(coordinate_system)
@@ -69,7 +69,7 @@ def landmarks(
             marks = _kept(marks, ~np.isnan(marks.points).any(axis=1), "missing in the file", reporter)
         surface_map = load_map(result, reporter, cache=not no_cache)
 
-        from ..dense.transfer import Carrier
+        from ..transfer.transfer import Carrier
 
         carrier = Carrier(surface_map.inverse if back else surface_map)
         carried, apart = carrier.landmarks(marks)

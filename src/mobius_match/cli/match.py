@@ -17,8 +17,8 @@ from .output import ROWS, STDOUT, check_output, others_of, print_table, to_json,
 if TYPE_CHECKING:
     from rich.table import Table
 
-    from ..correspondence import Correspondence
-    from ..surface import Surface
+    from ..results.correspondence import Correspondence
+    from ..surface.surface import Surface
 
 Quiet = Annotated[bool, Option("--quiet", "-q", help="Show results and errors only.")]
 Verbose = Annotated[bool, Option("--verbose", "-v", help="Show timings, and the traceback of an error.")]
@@ -195,7 +195,7 @@ def run_match(
     landmarks: list[Path] | None = None,
 ) -> Correspondence:
     """Match two files with progress, and with what was noted on the way shown."""
-    from ..matching import match as match_surfaces
+    from ..matching.match import match as match_surfaces
 
     with reporter.compiling():
         result = match_surfaces(
@@ -222,7 +222,7 @@ def prepared_otherwise(surface: Surface | None, settings: dict[str, Any]) -> lis
 
 def draw(result: Correspondence, **options: Any) -> bytes:
     """The picture of the matches, as the bytes of a PNG file."""
-    from ..figures import draw_matches
+    from ..exporting.figures import draw_matches
 
     picture = io.BytesIO()
     draw_matches(result, picture, **options)
@@ -231,7 +231,7 @@ def draw(result: Correspondence, **options: Any) -> bytes:
 
 def write_map(result: Correspondence, path: Path) -> str:
     """Write the dense map; the line that says so, and how good it looks."""
-    from ..dense import quality
+    from ..evaluation.quality import quality
 
     found = result.dense()
     write(path, found.to_npz() if path.suffix.lower() == ".npz" else found.text().encode())

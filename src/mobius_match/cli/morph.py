@@ -38,11 +38,11 @@ def morph(
 
         import numpy as np
 
-        from ..dense.animation import animated_glb
-        from ..dense.morph import morph as between
-        from ..figures import draw_shapes, png
+        from ..exporting.figures import draw_shapes, png
+        from ..transfer.animation import animated_glb
+        from ..transfer.morph import morph as between
 
-        lost = int((~surface_map.found).sum())
+        lost = int((~surface_map.source_mapped).sum())
         if lost:
             reporter.notes([f"{lost} vertices have no counterpart: they follow those around them"])
         shapes, faces = between(surface_map, np.linspace(0, 1, frames)), surface_map.source.faces
@@ -55,7 +55,7 @@ def morph(
 
 def _check(output: Path, frames: int, seconds: float, pixels: int) -> None:
     from ..errors import SettingsError
-    from ..figures import LARGEST, SMALLEST
+    from ..exporting.figures import LARGEST, SMALLEST
 
     if not 2 <= frames <= MOST_FRAMES:
         raise SettingsError(f"--frames is {frames}; give a number from 2 to {MOST_FRAMES}.")

@@ -57,7 +57,7 @@ def make_folder(path: Path) -> None:
 
 def write(path: Path, content: bytes) -> None:
     """Write a file as a whole or not at all; `-` is standard output."""
-    from ..correspondence import write_atomically
+    from .._core.files import write_atomically
 
     if path == STDOUT:
         sys.stdout.buffer.write(content)

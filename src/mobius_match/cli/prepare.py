@@ -103,7 +103,7 @@ def file_names(meshes: list[Path]) -> dict[Path, str]:
 
 def _results(tasks: dict[str, tuple[Any, ...]], jobs: int, reporter: Reporter) -> Iterator[tuple[str, dict[str, Any]]]:
     """The name and the entry of each mesh, in the order in which they end."""
-    from ..evaluation.pool import DIED, Died, Workers
+    from .._core.processes import DIED, Died, Workers
 
     processes = min(jobs, len(tasks))
     if processes == 1:  # here it takes less time than a new process takes to start
@@ -119,8 +119,8 @@ def _prepare(path: Path, out: Path, settings: PrepareSettings, cache: bool, verb
     """Prepare a mesh; an error is an entry, not an end."""
     import multiprocessing
 
-    from ..preparing import prepare
-    from ..storage import ENDING
+    from ..surface.prepare import prepare
+    from ..surface.storage import ENDING
 
     if verbose and multiprocessing.parent_process() is not None:
         logging.basicConfig(format="%(message)s", level=logging.INFO)

@@ -10,7 +10,7 @@ from typer import Argument
 from .common import Reporter
 
 if TYPE_CHECKING:
-    from ..dense import SurfaceMap
+    from ..results.surface_map import SurfaceMap
 
 ResultFile = Annotated[
     Path,
@@ -25,11 +25,11 @@ ResultFile = Annotated[
 def load_map(path: Path, reporter: Reporter, *, cache: bool) -> SurfaceMap:
     """The dense map that a file holds, or that matching its result again gives."""
     if path.suffix.lower() == ".npz":
-        from ..dense import SurfaceMap
+        from ..results.surface_map import SurfaceMap
 
         return SurfaceMap.load(path)
-    from ..correspondence import Correspondence
-    from ..rematching import rematch
+    from ..matching.rematch import rematch
+    from ..results.correspondence import Correspondence
 
     with reporter.compiling():
         result = rematch(Correspondence.load(path), cache=cache, progress=reporter.progress)

@@ -14,7 +14,7 @@ from .output import STDOUT, check_output, print_table, to_json, write
 if TYPE_CHECKING:
     from rich.table import Table
 
-    from ..mirror import Symmetry
+    from ..matching.symmetry.symmetry import Symmetry
 
 
 def symmetry(
@@ -68,7 +68,7 @@ def symmetry(
     settings: dict[str, Any] = {name: value for name, value in options.items() if value is not None}
     _check(settings, output, picture, mesh)
 
-    from ..mirror import symmetry as find_symmetry
+    from ..matching.symmetry.symmetry import symmetry as find_symmetry
 
     with Reporter(quiet, verbose) as reporter, reporter.compiling():
         result = find_symmetry(mesh, cache=not no_cache, progress=reporter.progress, **settings)
@@ -109,7 +109,7 @@ def _draw(result: Symmetry) -> bytes:
     """The mesh beside itself: the points of both halves in their colours, and those of their images."""
     import numpy as np
 
-    from ..correspondence import Correspondence
+    from ..results.correspondence import Correspondence
 
     both_ways = np.stack([result.pairs, result.pairs[:, ::-1]], axis=1).reshape(-1, 2)
     return draw(

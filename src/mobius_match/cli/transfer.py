@@ -17,9 +17,9 @@ from .results import ResultFile, load_map
 if TYPE_CHECKING:
     import numpy as np
 
-    from ..dense.tables import Landmarks
-    from ..dense.transfer import Carrier
+    from ..landmarks.tables import Landmarks
     from ..mesh.appearance import Appearance
+    from ..transfer.transfer import Carrier
 
 WORDS = ("colors", "uv", "labels", "positions")
 ENDINGS = (".ply", ".glb", ".obj", ".npz", ".csv", ".txt")
@@ -64,7 +64,7 @@ def transfer(
     with Reporter(quiet, verbose) as reporter:
         surface_map = load_map(result, reporter, cache=not no_cache)
 
-        from ..dense.transfer import Carrier
+        from ..transfer.transfer import Carrier
 
         carrier = Carrier(surface_map.inverse if back else surface_map)
         load = _Load(carrier)
@@ -160,8 +160,8 @@ class _Load:
         self._lost(int((self.carrier.labels(labels * 0) < 0).sum()), "faces", "labelled -1")
 
     def _file(self, path: Path) -> None:
-        from ..dense.tables import Landmarks, as_landmarks, read_table
         from ..errors import FormatError
+        from ..landmarks.tables import Landmarks, as_landmarks, read_table
 
         found, source = read_table(path), self.carrier.source
         sizes = {len(source.vertices), source.n_file_faces}
@@ -269,8 +269,8 @@ class _Load:
         return buffer.getvalue()
 
     def _text(self, output: Path) -> bytes:
-        from ..dense.tables import text_of
         from ..errors import SettingsError
+        from ..landmarks.tables import text_of
 
         arrays = [a for name, a in self.mesh.items() if name != "image"] + list(self.values.values())
         if len(arrays) + (self.landmarks is not None) != 1:

@@ -15,7 +15,7 @@ from .match import Quiet, Verbose, draw
 from .output import STDOUT, check_output, write
 
 if TYPE_CHECKING:
-    from ..correspondence import Correspondence
+    from ..results.correspondence import Correspondence
 
 
 def view(
@@ -68,7 +68,7 @@ def view(
     pixels = _numbers("--size", size, "x", int)
     direction = None if view is None else _numbers("--view", view, ",", float)
 
-    from ..correspondence import Correspondence
+    from ..results.correspondence import Correspondence
 
     with Reporter(quiet, verbose) as reporter:
         found = Correspondence.load(result)
@@ -100,7 +100,7 @@ def _page(
     """The page, as the bytes of a file."""
     import numpy as np
 
-    from ..dense import SurfaceMap
+    from ..results.surface_map import SurfaceMap
     from ..viewer import page
 
     dense = None if with_map is None else SurfaceMap.load(with_map)
@@ -111,7 +111,7 @@ def _page(
         infos = result.source_info, result.target_info
         known = read_truth(truth, *(info.get("path") for info in infos), int(infos[0].get("vertices", 0)))
     if explain:
-        from ..rematching import rematch
+        from ..matching.rematch import rematch
 
         with reporter.compiling():
             again = rematch(result, cache=True, progress=reporter.progress)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..correspondence import write_atomically
+from .._core.files import write_atomically
 from ..errors import SettingsError
 from . import figures, summary
 from .page import Markup, figure, number, page, save_figures, section, table, tag, words

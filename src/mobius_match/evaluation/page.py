@@ -8,7 +8,7 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
-from ..correspondence import write_atomically
+from .._core.files import write_atomically
 
 
 class Markup(str):

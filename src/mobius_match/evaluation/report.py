@@ -15,7 +15,7 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..correspondence import write_atomically
+from .._core.files import write_atomically
 from . import sections, summary
 from .comparison import write_comparison
 from .page import page, save_figures, section

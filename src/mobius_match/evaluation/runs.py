@@ -15,13 +15,13 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from ..correspondence import write_atomically
+from .._core.files import write_atomically
+from .._core.processes import DIED, Died, Workers
+from .._core.threads import Progress
+from .._core.versions import software
 from ..errors import FormatError, SettingsError
 from ..settings import MatchSettings, make_settings
-from ..software import software
-from ..surface import Progress
 from .datasets import Case, Dataset
-from .pool import DIED, Died, Workers
 from .work import failed, match_pair, prepare_one, record_of, score_dense, surface_path
 
 FORMAT = "mobius-match/bench-run"

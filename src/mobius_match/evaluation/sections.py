@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from ..correspondence import Correspondence
 from ..errors import MobiusError
 from ..mesh import as_mesh
+from ..results.correspondence import Correspondence
 from . import figures, summary
 from .page import Markup, figure, join, number, percent, picture, table, tag, tiles, without_empty, words
 from .words import MEASURES, TITLES, surface_name
@@ -210,7 +210,7 @@ def worst(info: dict[str, Any], records: Records, variants: Sequence[str], files
 def _match_picture(
     place: int, record: dict[str, Any], info: dict[str, Any], variants: Sequence[str], files: dict[str, bytes]
 ) -> Markup:
-    from ..figures import draw_matches
+    from ..exporting.figures import draw_matches
 
     said = [f"{TITLES[v]} {number(summary.measures(record, v)['mean45'])}" for v in variants]
     caption = f"{record['name']}: {'; '.join(said)}"

@@ -13,11 +13,11 @@ from typing import Any
 import numpy as np
 
 from ..errors import MobiusError
-from ..matching import match
+from ..matching.match import match
 from ..mesh import Mesh
-from ..preparing import prepare
 from ..settings import MatchSettings
-from ..surface import Surface, matchable
+from ..surface.prepare import matchable, prepare
+from ..surface.surface import Surface
 from .datasets import Case
 from .scoring import Scorer, cached_diameter, mesh_area
 from .vertexlists import read_vertices
@@ -73,7 +73,7 @@ def match_pair(case: Case, scoring: str, folder: Path, settings: MatchSettings, 
     start = time.perf_counter()
     scored = _scorer(case, source.whole_mesh, target.whole_mesh, scoring)
     found = scored.score(result.pairs, result.confidence)
-    of_map = _dense(scored.score_map(spread.vertices)) if spread else None
+    of_map = _dense(scored.score_map(spread.vertex_map)) if spread else None
     timings["scoring"] = time.perf_counter() - start
     return {
         "pairs": result.pairs.tolist(),

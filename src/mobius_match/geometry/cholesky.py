@@ -12,7 +12,7 @@ import numpy as np
 import scipy.sparse as sp
 import scipy.sparse.linalg as spla
 
-from ..compiling import jit
+from .._core.compiling import jit
 
 SMALLEST = 1e-30
 """Stands for a pivot of zero."""

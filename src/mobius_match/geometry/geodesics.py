@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 import scipy.sparse as sp
 
-from ..compiling import jit
+from .._core.compiling import jit
 from .laplacian import IntrinsicMesh, corner_cotangents, face_areas, intrinsic_mesh
 
 DistanceFunction = Callable[[int], np.ndarray]

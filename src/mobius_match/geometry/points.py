@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..compiling import jit
+from .._core.compiling import jit
 
 SEEN = 200
 """Vertices that a search for the closest point passes at most."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..compiling import jit
+from .._core.compiling import jit
 
 ITERATIONS = 50
 """Newton steps towards the largest eigenvalue at most; seven or so are taken."""

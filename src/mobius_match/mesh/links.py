@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..compiling import inlined, jit
+from .._core.compiling import inlined, jit
 
 
 @inlined

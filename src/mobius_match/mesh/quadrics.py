@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..compiling import jit
+from .._core.compiling import jit
 from .rings import after, before
 
 ROUNDNESS = 0.05

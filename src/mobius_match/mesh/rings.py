@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..compiling import jit
+from .._core.compiling import jit
 from .mesh import Ints
 from .topology import edge_table
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..compiling import jit
+from .._core.compiling import jit
 from .mesh import Floats, Ints
 from .quadrics import add_quadrics, cost, squared_length, unit_normal
 from .rings import MOST_FACES, after, around, before, collapse, neighbour, opposite_corners

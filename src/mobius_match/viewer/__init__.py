@@ -18,9 +18,9 @@ from ..errors import FormatError
 from . import shapes
 
 if TYPE_CHECKING:
-    from ..correspondence import Alternative, Correspondence
-    from ..dense import SurfaceMap
     from ..evaluation import Truth
+    from ..results.correspondence import Alternative, Correspondence
+    from ..results.surface_map import SurfaceMap
 
 
 @dataclass(frozen=True)
@@ -84,6 +84,11 @@ def page(result: Correspondence, *, dense: SurfaceMap | None = None, truth: Trut
 </body>
 </html>
 """
+
+
+def show(result: Correspondence, *, dense: SurfaceMap | None = None) -> View:
+    """The page of a result, for a notebook; see :func:`page`."""
+    return View(page(result, dense=dense))
 
 
 def _harmless(text: str) -> str:

@@ -7,15 +7,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from scipy.spatial import cKDTree
 
-from ..figures import numbered
-from ..matrix_processing import max_row_column, normalized
-from ..mobius import CANONICAL_TRIANGLE, apply, from_three_points, homogeneous
+from ..exporting.figures import numbered
+from ..voting.assignment import max_row_column, normalized
 from ..voting.kernel import explained_pairs
+from ..voting.mobius import CANONICAL_TRIANGLE, apply, from_three_points, homogeneous
 from . import packing
 
 if TYPE_CHECKING:
-    from ..surface import Surface
-    from ..voting import Votes
+    from ..surface.surface import Surface
+    from ..voting.votes import Votes
 
 STEPS = 65535
 """Steps of a share of the votes."""

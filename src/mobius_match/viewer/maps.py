@@ -10,17 +10,18 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from scipy.spatial import cKDTree
 
-from ..dense import SurfaceMap, quality
-from ..dense.morph import ends, interpolate
-from ..dense.transfer import Carrier
 from ..errors import MeshError, MobiusError
-from ..figures import colours_of, numbered
+from ..evaluation.quality import quality
+from ..exporting.figures import colours_of, numbered
 from ..mesh.appearance import Appearance, read_appearance
+from ..results.surface_map import SurfaceMap
+from ..transfer.morph import ends, interpolate
+from ..transfer.transfer import Carrier
 from . import packing
 from .shapes import Side
 
 if TYPE_CHECKING:
-    from ..correspondence import Alternative, Correspondence
+    from ..results.correspondence import Alternative, Correspondence
 
 FRAMES = 9
 """Shapes of the morph, both ends among them; the page takes straight lines between them."""
@@ -55,7 +56,7 @@ def add_map(
     ]
     for side, origins in zip(content["sides"], _origins(sides, dense), strict=True):
         side["origins"] = origins
-    if dense.found.any():
+    if dense.source_mapped.any():
         _add_morph(content, sides, dense, explanations)
 
 
@@ -65,8 +66,8 @@ def _both(sides: list[Side], dense: SurfaceMap, values: np.ndarray) -> list[str]
 
 
 def _carried(sides: list[Side], dense: SurfaceMap, values: np.ndarray) -> list[np.ndarray]:
-    there = dense.back.values(values)
-    there[~dense.back_found] = np.nan
+    there = dense.source_points.values(values)
+    there[~dense.target_mapped] = np.nan
     return [found[side.kept] for found, side in zip((values, there), sides, strict=True)]
 
 
@@ -109,7 +110,7 @@ def _origins(sides: list[Side], dense: SurfaceMap) -> list[str]:
     """Where each drawn vertex comes from on the source, in a box of side 1; none where nothing corresponds."""
     box = dense.source.vertices - dense.source.vertices.min(axis=0)
     origins = _carried(sides, dense, box / box.max())
-    origins[0][~dense.found[sides[0].kept]] = np.nan
+    origins[0][~dense.source_mapped[sides[0].kept]] = np.nan
     return [
         packing.packed(np.where(np.isnan(one), packing.STEPS + 1, np.round(np.nan_to_num(one) * packing.STEPS)), "<u2")
         for one in origins

@@ -8,15 +8,15 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..detail import simplified
-from ..figures import ELEVATION, RADIUS, best_azimuth, colours_of, mesh_of, numbered, shape_of
-from ..rendering import Shape
+from ..exporting.figures import ELEVATION, RADIUS, best_azimuth, colours_of, mesh_of, numbered, shape_of
+from ..exporting.rendering import Shape
+from ..surface.simplified import simplified
 from . import packing
 
 if TYPE_CHECKING:
-    from ..correspondence import Alternative, Correspondence
     from ..mesh import Mesh
-    from ..surface import Surface
+    from ..results.correspondence import Alternative, Correspondence
+    from ..surface.surface import Surface
 
 MOST = 30_000
 """Vertices above which a simplified surface is drawn instead."""

@@ -14,8 +14,8 @@ from . import packing
 from .shapes import Side
 
 if TYPE_CHECKING:
-    from ..correspondence import Alternative, Correspondence
-    from ..dense import SurfaceMap
+    from ..results.correspondence import Alternative, Correspondence
+    from ..results.surface_map import SurfaceMap
 
 WORST = 0.2
 """Error per diameter at which the colours end."""
@@ -60,18 +60,18 @@ class Errors:
     def of_map(self, dense: SurfaceMap) -> dict[str, Any]:
         """Colours of both surfaces by the error of the map at the nearest point of known correspondence."""
         truth = self._scorer.truth
-        known = np.flatnonzero(dense.found[truth.source])
+        known = np.flatnonzero(dense.source_mapped[truth.source])
         some = known[np.unique(np.linspace(0, len(known) - 1, CHECKED).astype(int))] if len(known) else known
-        of_source = np.full(len(dense.found), np.nan)
+        of_source = np.full(len(dense.source_mapped), np.nan)
         if len(some):
             ids = [side.mesh.vertex_ids for side in self.sides]
             points = Truth(ids[0][truth.source[some]], ids[1][truth.target[some]])
-            errors = self._scores(points).score_map(dense.vertices)["direct"]
+            errors = self._scores(points).score_map(dense.vertex_map)["direct"]
             vertices = self.sides[0].shape.vertices
             apart, nearest = cKDTree(vertices[truth.source[some]]).query(vertices)
-            of_source = np.where((apart < REACH) & dense.found, errors[nearest], np.nan)
-        of_target = dense.back.values(of_source)
-        of_target[~dense.back_found] = np.nan
+            of_source = np.where((apart < REACH) & dense.source_mapped, errors[nearest], np.nan)
+        of_target = dense.source_points.values(of_source)
+        of_target[~dense.target_mapped] = np.nan
         return {
             "name": "Error",
             "note": "Geodesic distance on the target from the image of a point to its true place, as a part of the "

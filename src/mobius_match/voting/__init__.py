@@ -1,5 +1,5 @@
 """Sections 6 and 7: Möbius voting."""
 
-from .tally import Votes, cast_votes
+from .votes import Votes, cast_votes
 
 __all__ = ["Votes", "cast_votes"]

@@ -12,8 +12,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..compiling import inlined, jit
-from ..mobius import CANONICAL_TRIANGLE
+from .._core.compiling import inlined, jit
+from .mobius import CANONICAL_TRIANGLE
 from .nearest import Least, Pairs, mutually_nearest, padded, room_for_least, room_for_pairs
 from .sweep import SWEEP_FROM, sweep
 

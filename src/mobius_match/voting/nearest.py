@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..compiling import inlined, jit
+from .._core.compiling import inlined, jit
 from .lanes import WIDTH, any_equal, bits, first_equal, least_lane, load, minimum, spread, store, where_less
 
 LARGEST = np.finfo(np.float32).max.view(np.int32)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..compiling import jit
+from .._core.compiling import jit
 
 LEAST_SPREAD = 0.3
 """Least distance between the three source samples of a guided triplet, per sqrt(area)."""

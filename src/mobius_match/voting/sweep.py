@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..compiling import inlined, jit
+from .._core.compiling import inlined, jit
 from .lanes import WIDTH, least_lane, load, minimum, spread, store, where_less
 from .nearest import LARGEST, Least, Pairs, collect, forget, padded, point, points_from, shortlist, squared_distances
 

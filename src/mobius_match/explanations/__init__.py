@@ -1,0 +1,1 @@
+"""Candidate alignments of two surfaces, and the choice between them."""

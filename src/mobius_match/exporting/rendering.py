@@ -1,0 +1,157 @@
+"""Pictures of a surface with spheres on it, drawn on the processor through one depth buffer."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from .._core.compiling import jit
+
+GREY = np.array([0.80, 0.81, 0.83], np.float32)
+LAMP = np.array([-0.45, 0.60, 0.66], np.float32)
+"""Direction of the light, of length 1: from the upper left."""
+GLOSS = np.array([-0.25, 0.33, 0.91], np.float32)
+"""Half-way between the light and the viewer: what faces this way shines."""
+
+
+@dataclass(frozen=True)
+class Shape:
+    """A surface of area 1 around the origin, y upward, with its unit normals and the vertices that are matched."""
+
+    vertices: np.ndarray
+    faces: np.ndarray
+    normals: np.ndarray
+    matched: np.ndarray
+
+    def turned(self, azimuth: float, elevation: float) -> Shape:
+        """Seen from there: x to the right, y up, z towards the viewer, the middle of the picture at 0."""
+        c, s, ce, se = np.cos(azimuth), np.sin(azimuth), np.cos(elevation), np.sin(elevation)
+        turn = np.array([[c, 0, -s], [-s * se, ce, -c * se], [s * ce, se, c * ce]])
+        vertices = self.vertices @ turn.T
+        middle = (vertices.min(axis=0) + vertices.max(axis=0)) / 2
+        return Shape(vertices - middle, self.faces, self.normals @ turn.T, self.matched)
+
+
+def unit(vectors: np.ndarray) -> np.ndarray:
+    """The vectors (n, 3) with length 1; those of length 0 stay."""
+    lengths = np.sqrt(np.einsum("ij,ij->i", vectors, vectors))[:, None]
+    return vectors / np.maximum(lengths, 1e-30)
+
+
+def rasterise(pixels: np.ndarray, shape: Shape, size: tuple[int, int]) -> tuple[np.ndarray, np.ndarray]:
+    """Depth (h, w), -inf where there is nothing, and normals (h, w, 3) of what is in front; row 0 is at y = 0.
+
+    The vertices of the shape are taken to be at `pixels` (n, 3), in units of a pixel.
+    """
+    depth = np.full(size, -np.inf, np.float32)
+    normal = np.zeros((*size, 3), np.float32)
+    _fill(pixels, shape.faces, shape.normals, depth, normal)
+    return depth, normal
+
+
+@jit
+def _fill(points: np.ndarray, faces: np.ndarray, normals: np.ndarray, depth: np.ndarray, normal: np.ndarray) -> None:
+    """Draw triangles with interpolated normals; the greatest z wins."""
+    height, width = depth.shape
+    for a, b, c in faces:
+        x0, y0 = points[a, 0], points[a, 1]
+        x1, y1 = points[b, 0], points[b, 1]
+        x2, y2 = points[c, 0], points[c, 1]
+        area = (x1 - x0) * (y2 - y0) - (x2 - x0) * (y1 - y0)
+        if area == 0:
+            continue
+        sign = 1.0 if area > 0 else -1.0  # the back of an open surface is lit like its front
+        for y in range(max(0, int(min(y0, y1, y2))), min(height - 1, int(max(y0, y1, y2))) + 1):
+            for x in range(max(0, int(min(x0, x1, x2))), min(width - 1, int(max(x0, x1, x2))) + 1):
+                px, py = x + 0.5, y + 0.5
+                u = ((x1 - px) * (y2 - py) - (x2 - px) * (y1 - py)) / area
+                v = ((x2 - px) * (y0 - py) - (x0 - px) * (y2 - py)) / area
+                w = 1.0 - u - v
+                if min(u, v, w) < -1e-9:  # a little more, so that no pixel falls between two triangles
+                    continue
+                z = u * points[a, 2] + v * points[b, 2] + w * points[c, 2]
+                if z > depth[y, x]:
+                    depth[y, x] = z
+                    for k in range(3):
+                        normal[y, x, k] = sign * (u * normals[a, k] + v * normals[b, k] + w * normals[c, k])
+
+
+def visible(points: np.ndarray, depth: np.ndarray, tolerance: float) -> np.ndarray:
+    """Which points of the surface nothing lies in front of."""
+    y, x = (np.clip(points[:, k].astype(int), 0, depth.shape[1 - k] - 1) for k in (1, 0))
+    return points[:, 2] >= depth[y, x] - tolerance
+
+
+def render(
+    shape: Shape,
+    scale: float,
+    size: tuple[int, int],
+    radii: np.ndarray,
+    colours: np.ndarray,
+    paint: np.ndarray | None = None,
+    diamonds: np.ndarray | None = None,
+) -> np.ndarray:
+    """One surface with its spheres on white, (h, w, 3) float32 in [0, 1], the first row on top.
+
+    The surface is grey, or has at its vertices the colours of `paint` (n, 3), in [0, 1]. Where `diamonds` (Q,) is true
+    a sphere is an octahedron, one corner of it towards the viewer.
+    """
+    width, height = size
+    fine = 3 if width * height < 1_500_000 else 2  # so many samples along each side of a pixel
+    pixels = fine * (shape.vertices * scale + [width / 2, height / 2, 0])
+    depth, normal = rasterise(pixels, shape, (fine * height, fine * width))
+    label = np.zeros(depth.shape, np.int32)  # 0 for the surface, then the spheres
+    centres = pixels[shape.matched]
+    seen = np.flatnonzero(visible(centres, depth, 0.01 * scale * fine))
+    for k, (x, y, z), radius in zip(seen, centres[seen], fine * scale * radii[seen], strict=True):
+        reach = 1.25 * radius
+        rows, columns = (slice(max(0, int(at - reach)), int(at + reach) + 2) for at in (y, x))
+        dy = (np.arange(depth.shape[0])[rows, None] + 0.5 - y) / radius
+        dx = (np.arange(depth.shape[1])[None, columns] + 0.5 - x) / radius
+        if diamonds is not None and diamonds[k]:
+            dx, dy = np.broadcast_arrays(dx, dy)
+            dz = 1.25 - np.abs(dx) - np.abs(dy)
+            inside, faced = dz > 0, (np.sign(dx), np.sign(dy), np.ones_like(dx))
+        else:
+            dz = np.sqrt(np.maximum(1 - dx**2 - dy**2, 0))
+            inside, faced = dx**2 + dy**2 < 1, (dx, dy, dz)
+        front = inside & (z + radius * dz > depth[rows, columns])
+        depth[rows, columns][front] = (z + radius * dz)[front]
+        normal[rows, columns][front] = np.stack(np.broadcast_arrays(*faced), axis=2)[front]
+        label[rows, columns][front] = k + 1
+    inside = np.isfinite(depth)
+    picture = np.ones_like(normal)
+    shades = np.vstack([GREY, colours])[label[inside]]
+    if paint is not None:
+        painted = Shape(shape.vertices, shape.faces, paint, shape.matched)
+        surface = np.abs(rasterise(pixels, painted, depth.shape)[1][inside])  # the sign tells the back from the front
+        shades = np.where(label[inside, None] > 0, shades, surface)
+    picture[inside] = _lit(normal[inside], shades, label[inside] > 0)
+    small = np.zeros((height, width, 3), np.float32)
+    for i in range(fine * fine):
+        small += picture[i // fine :: fine, i % fine :: fine] / fine**2
+    coarse = depth[fine // 2 :: fine, fine // 2 :: fine] / (fine * scale)
+    return (small * _occlusion(coarse, 0.06 * scale)[..., None])[::-1]
+
+
+def _lit(normals: np.ndarray, colours: np.ndarray, glossy: np.ndarray) -> np.ndarray:
+    """Colours (n, 3) under a lamp at the upper left and a bright sky."""
+    normals = unit(normals)
+    light = 0.30 + 0.80 * ((1 + normals @ LAMP) / 2) ** 1.5
+    shine = np.where(glossy, np.float32(0.35) * np.maximum(normals @ GLOSS, 0) ** 40, np.float32(0))
+    return np.clip(colours * light[:, None] + shine[:, None], 0, 1)
+
+
+def _occlusion(depth: np.ndarray, radius: float) -> np.ndarray:
+    """Darken what lies deeper than its surroundings: hollows, and what is behind an edge."""
+    from scipy.ndimage import uniform_filter
+
+    def blurred(values: np.ndarray) -> np.ndarray:
+        return uniform_filter(uniform_filter(values, 2 * round(radius) + 1), 2 * round(radius) + 1)
+
+    inside = np.isfinite(depth)
+    weight = np.maximum(blurred(inside.astype(np.float32)), 1e-6)
+    around = blurred(np.where(inside, depth, 0)) / weight
+    deeper = np.where(inside, np.clip(around - depth, 0, 0.15), 0)
+    return 1 - 2.2 * deeper

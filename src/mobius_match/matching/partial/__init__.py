@@ -1,0 +1,1 @@
+"""A part of a surface, located on the whole."""

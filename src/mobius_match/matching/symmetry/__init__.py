@@ -1,0 +1,1 @@
+"""The intrinsic mirror symmetry of one surface."""

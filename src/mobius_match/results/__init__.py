@@ -1,0 +1,1 @@
+"""What a match gives: data, and the files that hold it."""

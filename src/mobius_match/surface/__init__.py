@@ -1,0 +1,1 @@
+"""Sections 4 and 5: a mesh made ready for matching."""

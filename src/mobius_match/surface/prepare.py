@@ -1,0 +1,214 @@
+"""From whatever a user hands over to prepared surfaces: by computing, from a file, or from the cache."""
+
+from __future__ import annotations
+
+import os
+import time
+from typing import Any
+
+import numpy as np
+from threadpoolctl import threadpool_limits
+
+from .._core.threads import Progress
+from ..errors import MeshError
+from ..geometry.curvature import gauss_curvature, mean_curvature
+from ..geometry.geodesics import geodesic_solver, heat_solver, nearest_centres
+from ..geometry.laplacian import intrinsic_mesh
+from ..geometry.spectral import eigenbasis, wave_kernel_signature
+from ..mesh import Mesh
+from ..mesh.files import as_mesh
+from ..mesh.repair import repair
+from ..mesh.report import require_matchable
+from ..settings import PrepareSettings
+from .cache import find, keep
+from .flattening import choose_cut_face, flatten, vertex_positions
+from .sampling import proxy_points, sample_points
+from .simplified import simplified
+from .storage import ENDING
+from .surface import Surface
+
+
+def prepare(
+    thing: Any,
+    settings: PrepareSettings | None = None,
+    *,
+    cache: bool = False,
+    progress: Progress | None = None,
+    **overrides: Any,
+) -> Surface:
+    """Make a mesh ready for matching.
+
+    Parameters
+    ----------
+    thing
+        A path of a mesh file or of a file of :meth:`Surface.save` (.npz), ``(vertices, faces)``, anything with both as
+        attributes, or a Surface, which is returned as it is.
+    settings
+        A :class:`PrepareSettings`; single values can be given as keywords instead.
+    cache
+        Take the surface of a mesh file from the cache if it was prepared before, else keep it there.
+    progress
+        Called as ``progress(stage, done, total)``.
+
+    Raises
+    ------
+    MeshError
+        If the mesh cannot be read or used; the message says why and what to do.
+    SettingsError
+        If a setting is out of range.
+    """
+    settings = settings or PrepareSettings(**overrides)
+    return finished(thing, opened(thing, settings, cache), settings, cache, progress)
+
+
+def opened(thing: Any, settings: PrepareSettings, cache: bool) -> Surface | Mesh:
+    """The first half of :func:`prepare`: a surface that is there already, or else the mesh that is to be prepared."""
+    if isinstance(thing, Surface):
+        return thing
+    if isinstance(thing, str | os.PathLike):
+        if os.fspath(thing).lower().endswith(ENDING):
+            return Surface.load(thing)
+        kept = find(thing, settings) if cache else None
+        if kept is not None:
+            return kept
+    return matchable(thing)
+
+
+def finished(
+    thing: Any, found: Surface | Mesh, settings: PrepareSettings, cache: bool, progress: Progress | None
+) -> Surface:
+    """The second half of :func:`prepare`: the surface of what :func:`opened` found."""
+    if isinstance(found, Surface):
+        return found
+    surface = prepare_mesh(found, settings, progress)
+    if cache and isinstance(thing, str | os.PathLike):
+        keep(thing, surface)
+    return surface
+
+
+EIGENFUNCTIONS = 50
+
+
+PROXY_SIZE = 1200
+
+
+RADIUS, WIDE_RADIUS = 0.035, 0.1
+"""Widths that curvatures are smoothed to, per sqrt(area)."""
+
+
+LARGEST_CLOSURE = 1e-6
+"""Closure of the conjugate function above which a flattening is not to be trusted."""
+
+
+def matchable(thing: Any) -> Mesh:
+    """The repaired mesh of a path, of arrays, or of an object with both, if it can be matched at all.
+
+    Raises
+    ------
+    MeshError
+        If it cannot; the message says why and what to do.
+    """
+    mesh = repair(as_mesh(thing))
+    require_matchable(mesh)
+    return mesh
+
+
+def prepare_mesh(mesh: Mesh, settings: PrepareSettings, progress: Progress | None = None) -> Surface:
+    """:func:`prepare` for a mesh that :func:`matchable` gave."""
+    # One BLAS thread: these are many small calls, and sums must not depend on the number of processors.
+    with threadpool_limits(limits=1, user_api="blas"):
+        return _prepare(mesh, settings, progress or (lambda stage, done, total: None))
+
+
+def _prepare(mesh: Mesh, settings: PrepareSettings, progress: Progress) -> Surface:
+    warnings = []
+    clock = _Clock()
+    mesh, detail = simplified(mesh, settings.resolution) if settings.resolution else (mesh, None)
+    if detail:
+        clock.lap("simplifying")
+    # A box of size 1 keeps squares and areas far from overflow, whatever the units of the file.
+    scale = float(np.ptp(mesh.vertices, axis=0).max())
+    vertices = (mesh.vertices - mesh.vertices.mean(axis=0)) / scale
+    triangulation = intrinsic_mesh(vertices, mesh.faces, delaunay=settings.triangulation == "delaunay")
+    areas = triangulation.areas
+    area = float(areas.sum())
+    progress(f"sampling {mesh.name}", 0, 3)
+    if (settings.geodesics, settings.triangulation) == ("heat", "delaunay"):
+        solver = heat_solver(triangulation)
+    else:
+        solver = geodesic_solver(vertices, mesh.faces, settings.geodesics)
+    samples = sample_points(triangulation, solver, settings.samples)
+    if not np.isfinite(samples.distances).all():
+        raise MeshError(f"{mesh.name}: geodesic distances could not be computed; check the mesh for sliver triangles")
+    if len(samples.vertices) < settings.samples:
+        warnings.append(
+            f"has only {len(samples.vertices)} vertices; each of them is a sample ({settings.samples} were asked for)"
+        )
+    cells = np.bincount(samples.distances.argmin(axis=0), areas, len(samples.vertices))
+    distances = samples.distances[:, samples.vertices]
+    # Heat distances are not quite symmetric.
+    distances = (distances + distances.T) / 2
+    np.fill_diagonal(distances, 0.0)
+    clock.lap("sampling")
+    progress(f"flattening {mesh.name}", 1, 3)
+    average = cells @ samples.distances / area
+    cut_face = choose_cut_face(triangulation, average)
+    flattening = flatten(triangulation, cut_face)
+    if not flattening.closure < LARGEST_CLOSURE:
+        warnings.append(
+            f"the flattening closes only to {flattening.closure:.1e} of its extent; "
+            "matches may suffer; remove sliver triangles"
+        )
+    positions = vertex_positions(flattening, triangulation, samples.vertices, settings.placement)
+    clock.lap("flattening")
+    progress(f"describing {mesh.name}", 2, 3)
+    eigenvalues, eigenfunctions = eigenbasis(triangulation, EIGENFUNCTIONS)
+    signatures = wave_kernel_signature(eigenvalues, eigenfunctions[samples.vertices])
+    curvatures = np.stack(
+        [
+            gauss_curvature(triangulation, RADIUS),
+            mean_curvature(triangulation, vertices, mesh.faces, RADIUS),
+            mean_curvature(triangulation, vertices, mesh.faces, WIDE_RADIUS),
+        ]
+    )
+    proxy = proxy_points(areas, PROXY_SIZE, samples.vertices)
+    nearest = nearest_centres(vertices, mesh.faces, proxy)
+    touching = np.sort(nearest[mesh.faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)], axis=1)
+    clock.lap("descriptors")
+    progress(f"prepared {mesh.name}", 3, 3)
+    return Surface(
+        mesh=mesh,
+        detail=detail,
+        settings=settings,
+        samples=samples.vertices,
+        n_maxima=samples.n_maxima,
+        distances=distances * scale,
+        cells=cells * scale**2,
+        positions=positions,
+        signatures=signatures,
+        eigenvalues=eigenvalues,
+        eigenfunctions=eigenfunctions.astype(np.float32),
+        proxy=proxy,
+        proxy_edges=np.unique(touching[touching[:, 0] < touching[:, 1]], axis=0),
+        proxy_distances=(samples.distances[:, proxy] * scale).astype(np.float32),
+        curvatures=curvatures.astype(np.float32),
+        cut_vertex=int(np.argmin(average)),
+        closure=flattening.closure,
+        area=area * scale**2,
+        diameter=float(samples.distances.max()) * scale,
+        timings=clock.laps,
+        warnings=tuple(warnings),
+    )
+
+
+class _Clock:
+    """Seconds between one call of :meth:`lap` and the next."""
+
+    def __init__(self) -> None:
+        self.laps: dict[str, float] = {}
+        self._last = time.perf_counter()
+
+    def lap(self, name: str) -> None:
+        now = time.perf_counter()
+        self.laps[name] = now - self._last
+        self._last = now

@@ -1,0 +1,89 @@
+"""Prepared surfaces as files."""
+
+from __future__ import annotations
+
+import io
+import json
+import os
+import zipfile
+from dataclasses import asdict
+from dataclasses import fields as fields_of
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from .._core.files import write_atomically
+from ..errors import FormatError
+from ..mesh import Mesh
+from ..settings import PrepareSettings
+from .simplified import Detail
+
+ENDING = ".npz"
+FORMAT = "mobius-match/surface"
+VERSION = 4
+"""To be raised whenever other numbers come out of the preparation, or go into the file."""
+
+
+def save_surface(surface: Any, path: str | os.PathLike[str]) -> None:
+    """Write a surface to a file (numpy's .npz); an existing one is replaced at once or not at all."""
+    values, arrays = _split(surface, "")
+    del values["mesh"], values["detail"]
+    parts: dict[str, Mesh | Detail] = {"mesh.": surface.mesh}
+    if surface.detail is not None:
+        parts |= {"detail.": surface.detail, "detail.mesh.": surface.detail.mesh}
+    for prefix, part in parts.items():
+        more = _split(part, prefix)
+        values |= {name: value for name, value in more[0].items() if name != "detail.mesh"}
+        arrays |= more[1]
+    values |= {"format": FORMAT, "version": VERSION, "settings": asdict(surface.settings)}
+    buffer = io.BytesIO()
+    arrays |= {"values": np.array(json.dumps(values, default=str))}
+    np.savez(buffer, allow_pickle=False, **arrays)
+    write_atomically(Path(path), buffer.getvalue())
+
+
+def load_fields(path: str | os.PathLike[str]) -> dict[str, Any]:
+    """The fields of the surface in a file that :func:`save_surface` wrote.
+
+    Raises
+    ------
+    FormatError
+        If the file cannot be read or is none of this version.
+    """
+    try:
+        with zipfile.ZipFile(path) as archive:
+            # Each member as a whole, for only then its checksum is looked at.
+            members = {name.removesuffix(".npy"): io.BytesIO(archive.read(name)) for name in archive.namelist()}
+        found: dict[str, Any] = {
+            name: np.lib.format.read_array(data, allow_pickle=False) for name, data in members.items()
+        }
+        found |= json.loads(str(found.pop("values")))
+        if (found.pop("format"), found.pop("version")) != (FORMAT, VERSION):
+            raise FormatError(f"{path}: not a prepared surface of version {VERSION}; prepare the mesh again")
+        whole = _mesh(found, "detail.mesh.") if "detail.mesh.vertices" in found else None
+        found["detail"] = None if whole is None else Detail(whole, **_taken(found, "detail."))
+        found["mesh"] = _mesh(found, "mesh.")
+        found["settings"], found["warnings"] = PrepareSettings(**found["settings"]), tuple(found["warnings"])
+        return found
+    except FormatError:
+        raise
+    except Exception as error:  # a damaged archive makes numpy fail in many ways
+        raise FormatError(f"{path}: not a readable prepared surface ({error}); prepare the mesh again") from error
+
+
+def _taken(found: dict[str, Any], prefix: str) -> dict[str, Any]:
+    """Take the fields with this prefix out."""
+    return {name.removeprefix(prefix): found.pop(name) for name in list(found) if name.startswith(prefix)}
+
+
+def _mesh(found: dict[str, Any], prefix: str) -> Mesh:
+    fields = _taken(found, prefix)
+    return Mesh(**fields | {"path": None if fields["path"] is None else Path(fields["path"])})
+
+
+def _split(record: Any, prefix: str) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
+    """A record's fields that are no arrays, and its arrays."""
+    fields = {prefix + field.name: getattr(record, field.name) for field in fields_of(record)}
+    arrays = {name: value for name, value in fields.items() if isinstance(value, np.ndarray)}
+    return {name: value for name, value in fields.items() if name not in arrays}, arrays

@@ -1,0 +1,175 @@
+"""A mesh made ready for matching: sections 4 and 5 and the descriptors, computed once and shared between pairs."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from scipy.sparse.csgraph import dijkstra
+
+from ..geometry.geodesics import graph_of, nearest_centres
+from ..geometry.spectral import wave_kernel_signature
+from ..mesh import Mesh
+from ..settings import PrepareSettings
+from .simplified import Detail
+from .storage import load_fields, save_surface
+
+RELIEF, FLAT = 2.0, 1.0
+"""What curvatures, in standard deviations, are multiplied by before asinh presses the great ones together, and the
+standard deviation that they are taken to have at least: a sphere has none."""
+
+NEARBY = 0.2
+"""Length per sqrt(area) up to which ways between the proxy's vertices are known: the greatest spacing of matches."""
+
+LEVELS = slice(4, None, 8)
+"""Levels of the 100 of the wave kernel signature that all vertices are described by."""
+
+LEAST_SPREAD = 0.1
+"""Standard deviation that the logarithms of a level are taken to have at least: a sphere has none."""
+
+
+@dataclass(frozen=True, eq=False)
+class Surface:
+    """A prepared mesh: plain arrays, no solver.
+
+    Parameters
+    ----------
+    mesh
+        The repaired mesh, or a simplified one where that is large; all vertex numbers below are its own.
+    detail
+        The repaired mesh and how the simplified one lies on it; None where nothing was simplified.
+    settings
+        What it was prepared with.
+    samples
+        (N,) int64 vertex numbers of the sample points in ``mesh`` (section 4), maxima of curvature first.
+    n_maxima
+        How many of the samples are maxima of curvature.
+    distances
+        (N, N) float64 geodesic distances between the samples, symmetric, in the units of the mesh.
+    cells
+        (N,) float64 areas of the samples' cells, in squared units of the mesh.
+    positions
+        (N,) complex128 positions in the plane (section 5).
+    signatures
+        (N, 100) float64 wave kernel signatures of the samples.
+    eigenvalues, eigenfunctions
+        (k,) float64 and (n, k) float32: of the Laplacian, for a surface of area 1.
+    proxy
+        (P,) int64 vertices that stand for the whole surface where detail is not needed, ascending: the samples, and
+        others drawn evenly by area.
+    proxy_edges
+        (E, 2) int64 places in ``proxy`` of vertices whose cells touch.
+    proxy_distances
+        (N, P) float32 geodesic distances from the samples to the proxy's vertices, in the units of the mesh.
+    curvatures
+        (3, n) float32 Gauss curvature, mean curvature, and mean curvature smoothed more widely, free of scale.
+    cut_vertex
+        Vertex of least average geodesic distance, at which the flattening is cut.
+    closure
+        Closure error of the conjugate function, as a fraction of the flattening's extent.
+    area, diameter
+        Area and (estimated) geodesic diameter, in units of the mesh.
+    timings
+        Seconds that each stage took.
+    warnings
+        What a user should know.
+    """
+
+    mesh: Mesh
+    detail: Detail | None
+    settings: PrepareSettings
+    samples: np.ndarray
+    n_maxima: int
+    distances: np.ndarray
+    cells: np.ndarray
+    positions: np.ndarray
+    signatures: np.ndarray
+    eigenvalues: np.ndarray
+    eigenfunctions: np.ndarray
+    proxy: np.ndarray
+    proxy_edges: np.ndarray
+    proxy_distances: np.ndarray
+    curvatures: np.ndarray
+    cut_vertex: int
+    closure: float
+    area: float
+    diameter: float
+    timings: dict[str, float]
+    warnings: tuple[str, ...]
+
+    @property
+    def whole_mesh(self) -> Mesh:
+        """The repaired mesh with all of the user's vertices."""
+        return self.mesh if self.detail is None else self.detail.mesh
+
+    @property
+    def info(self) -> dict[str, Any]:
+        """Path, SHA-256, numbers of vertices and faces, area and diameter, as they stand in results."""
+        mesh = self.mesh
+        return {
+            "path": None if mesh.path is None else str(mesh.path),
+            "sha256": mesh.sha256,
+            "vertices": mesh.n_file_vertices,
+            "faces": mesh.n_file_faces,
+            "area": self.area,
+            "diameter": self.diameter,
+        }
+
+    @property
+    def notes(self) -> list[str]:
+        """What a user should know of the mesh and its preparation, one line each."""
+        return [f"{self.mesh.name}: {note}" for note in (*self.mesh.notes, *self.warnings)]
+
+    @property
+    def normalized_distances(self) -> np.ndarray:
+        """Geodesic distances between the samples per sqrt(area), (N, N)."""
+        return self.distances / np.sqrt(self.area)
+
+    @property
+    def average_distances(self) -> np.ndarray:
+        """Average geodesic distance of each sample to the surface per sqrt(area), (N,)."""
+        return self.normalized_distances @ self.cells / self.area
+
+    @cached_property
+    def descriptors(self) -> np.ndarray:
+        """Wave kernel signatures (n, 12) of all vertices: logarithms, 0 on average, squares of a row sum to about 1."""
+        found = np.log(wave_kernel_signature(self.eigenvalues, self.eigenfunctions)[:, LEVELS] + np.finfo(float).eps)
+        spread = np.maximum(found[self.proxy].std(axis=0), LEAST_SPREAD)
+        found = (found - found[self.proxy].mean(axis=0)) / spread
+        return np.asarray(found / np.sqrt(found.shape[1]), np.float32)
+
+    @cached_property
+    def relief(self) -> np.ndarray:
+        """Gauss and mean curvature (n, 2) float32 of all vertices, for comparison: from the median, about 1 in size."""
+        median, spread = (f(self.curvatures[:2, self.proxy], axis=1) for f in (np.median, np.std))
+        return np.arcsinh(RELIEF * (self.curvatures[:2].T - median) / np.maximum(spread, FLAT))
+
+    @cached_property
+    def proxy_ways(self) -> np.ndarray:
+        """Lengths (P, P) per sqrt(area) of the shortest ways along the proxy's edges; infinite beyond 0.2."""
+        graph = graph_of(self.mesh.vertices[self.proxy], self.proxy_edges)
+        graph.data /= np.sqrt(self.area)
+        return np.asarray(dijkstra(graph, directed=False, limit=NEARBY))
+
+    @cached_property
+    def homes(self) -> np.ndarray:
+        """(n,) int64: place in ``proxy`` of the vertex that is nearest to each vertex of the mesh, along edges."""
+        return nearest_centres(self.mesh.vertices / np.sqrt(self.area), self.mesh.faces, self.proxy)
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write the surface to a file (numpy's .npz); an existing one is replaced at once or not at all."""
+        save_surface(self, path)
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> Surface:
+        """Read a file that :meth:`save` wrote.
+
+        Raises
+        ------
+        FormatError
+            If the file cannot be read or is none of this version.
+        """
+        return cls(**load_fields(path))

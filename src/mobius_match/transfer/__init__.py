@@ -1,0 +1,1 @@
+"""What is carried along a dense map."""

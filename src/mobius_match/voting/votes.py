@@ -1,0 +1,265 @@
+"""Sections 6 and 7: many triplets on several threads, their votes summed into the fuzzy correspondence matrix C.
+
+The triplets are cut into batches whose number depends on nothing but how many triplets there are; each batch has a
+random stream and a matrix of its own, and the matrices are summed in the order of the batches. So the result does not
+depend on the number of threads.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from .._core.threads import Progress
+from ..settings import MatchSettings
+from ..surface.surface import Surface
+from .kernel import vote, vote_weighted
+from .mobius import homogeneous
+from .proposals import CENTRALITY_TOLERANCE, LEAST_SPREAD, LENGTH_TOLERANCE, guided_triplets, uniform_triplets
+
+BATCH = 625
+"""Guided triplets in a batch."""
+
+LEAST_BATCHES, LARGEST_BATCH = 32, 50_000
+"""Uniform triplets come in at least so many batches, of at most so many."""
+
+ROUND = 8
+"""Batches between two looks at whether the votes have settled, where the program chooses how many there are."""
+
+SETTLED = 0.98
+"""They have if this part of the leading votes is for the same samples as a round ago."""
+
+WEIGHT_SCALE = 0.15
+"""Difference of geodesic distances per sqrt(area) at which the weight of a pair has fallen to 1 / e."""
+
+HINT_SCALE, HINT_TOLERANCE = 0.15, 0.25
+"""Mean difference of distances from the hints, per sqrt(area), at which the weight of a pair has fallen to 1 / e, and
+above which it is not drawn."""
+
+WEIGHT_POWER = 6.0
+"""Power of the sum of a triplet's weights that its votes are worth."""
+
+DEFAULT_MIN_FRACTION = 0.4
+"""Section 6: K is 40 % of the samples."""
+
+
+KEPT = 300
+"""How many of the best guided triplets are kept, for the explanations that they stand for."""
+
+
+@dataclass(frozen=True, eq=False)
+class Votes:
+    """The fuzzy correspondence matrix and how it came about.
+
+    Parameters
+    ----------
+    matrix
+        (N1, N2) float64, the matrix C, not normalised.
+    n_triplets
+        How many triplets were evaluated.
+    n_voting
+        How many of them voted.
+    best1, best2
+        (B, 3) int64, the best triplets of both sides; none where triplets are uniform.
+    totals
+        (B,) float64, the sums of their weights, not increasing.
+    warnings
+        What a user should know.
+    """
+
+    matrix: np.ndarray
+    n_triplets: int
+    n_voting: int
+    best1: np.ndarray
+    best2: np.ndarray
+    totals: np.ndarray
+    warnings: tuple[str, ...] = ()
+
+    def __add__(self, other: Votes) -> Votes:
+        """Both together; of equally good triplets those of the first come first."""
+        best1, best2, totals = (
+            np.concatenate([getattr(self, name), getattr(other, name)]) for name in ("best1", "best2", "totals")
+        )
+        order = np.argsort(-totals, kind="stable")[:KEPT]
+        return Votes(
+            self.matrix + other.matrix,
+            self.n_triplets + other.n_triplets,
+            self.n_voting + other.n_voting,
+            best1[order],
+            best2[order],
+            totals[order],
+            self.warnings + other.warnings,
+        )
+
+
+Batch = Callable[[np.random.SeedSequence, int], Votes]
+"""Takes a random stream and a number of triplets."""
+
+
+def cast_votes(
+    source: Surface,
+    target: Surface,
+    settings: MatchSettings,
+    progress: Progress | None = None,
+    disagreement: np.ndarray | None = None,
+) -> Votes:
+    """Run Algorithm 2 on two prepared surfaces.
+
+    Parameters
+    ----------
+    source, target
+        The surfaces.
+    settings
+        How triplets are drawn and weighed, how many, the seed, and how many threads.
+    progress
+        Called as ``progress("voting", batches done, batches)``.
+    disagreement
+        (N1, N2) float64, for guided triplets: how much each two samples differ in their distances from known pairs of
+        points, per sqrt(area). Those that differ much are not matched.
+    """
+    guided = settings.proposal == "guided"
+    batch, warnings = _guided(source, target, settings, disagreement) if guided else _uniform(source, target, settings)
+    total = settings.number_of_votes()
+    # Batches of one size: what was drawn until the votes settled is what the same number of triplets gives.
+    size = BATCH if settings.proposal == "guided" else min(LARGEST_BATCH, -(-total // LEAST_BATCHES))
+    sizes = [min(size, total - start) for start in range(0, total, size)]
+    n_batches = len(sizes)
+    streams = np.random.SeedSequence(settings.seed).spawn(n_batches)
+    open_ended = settings.votes is None and settings.proposal == "guided"
+    round_size = ROUND if open_ended else n_batches
+    votes = _without_triplets(np.zeros((len(source.samples), len(target.samples))), 0, 0)
+    with ThreadPoolExecutor(settings.jobs or os.cpu_count() or 1) as pool:
+        try:
+            for start in range(0, n_batches, round_size):
+                before, part = votes, slice(start, start + round_size)
+                for done, more in enumerate(pool.map(batch, streams[part], sizes[part]), start + 1):
+                    votes += more
+                    if progress is not None:
+                        progress("voting", done, n_batches)
+                if open_ended and _settled(before, votes):
+                    break
+            if progress is not None:
+                progress("voting", n_batches, n_batches)
+        except BaseException:
+            pool.shutdown(wait=False, cancel_futures=True)
+            raise
+    return replace(votes, warnings=warnings)
+
+
+def _settled(before: Votes, after: Votes) -> bool:
+    """Whether the last round changed little: which sample of the target leads, over the source's samples."""
+    leading1, leading2 = before.matrix.argmax(axis=1), after.matrix.argmax(axis=1)
+    weights = after.matrix.max(axis=1)
+    return bool(weights[leading1 == leading2].sum() >= SETTLED * weights.sum() > 0)
+
+
+def _without_triplets(matrix: np.ndarray, n_triplets: int, n_voting: int) -> Votes:
+    none = np.empty((0, 3), np.int64)
+    return Votes(matrix, n_triplets, n_voting, none, none, np.empty(0))
+
+
+def _uniform(source: Surface, target: Surface, settings: MatchSettings) -> tuple[Batch, tuple[str, ...]]:
+    fraction = DEFAULT_MIN_FRACTION if settings.min_fraction is None else settings.min_fraction
+    least_pairs = int(np.ceil(fraction * min(len(source.samples), len(target.samples))))
+    points1, points2 = homogeneous(source.positions), homogeneous(target.positions)
+    spherical = settings.distance == "spherical"
+
+    def batch(stream: np.random.SeedSequence, size: int) -> Votes:
+        triplets = uniform_triplets(np.random.default_rng(stream), size, len(points1), len(points2))
+        matrix = np.zeros((len(points1), len(points2)))
+        n_voting = vote(points1, points2, *triplets, least_pairs, settings.epsilon, spherical, matrix)
+        return _without_triplets(matrix, size, n_voting)
+
+    return batch, ()
+
+
+def _guided(
+    source: Surface, target: Surface, settings: MatchSettings, disagreement: np.ndarray | None
+) -> tuple[Batch, tuple[str, ...]]:
+    similarity = signature_similarity(source.signatures, target.signatures)
+    if disagreement is not None:
+        similarity = similarity * np.exp(-((disagreement / HINT_SCALE) ** 2))
+    draw, warnings = _proposals(source, target, disagreement)
+    weigh = _weighing(source, target, similarity, settings)
+
+    def batch(stream: np.random.SeedSequence, size: int) -> Votes:
+        triplets1, triplets2 = draw(np.random.default_rng(stream), size)
+        matrix, totals = np.zeros(similarity.shape), np.empty(len(triplets1))
+        n_voting = weigh(triplets1, triplets2, votes=matrix, totals=totals)
+        best = np.argsort(-totals, kind="stable")[:KEPT]
+        return Votes(matrix, len(triplets1), n_voting, triplets1[best], triplets2[best], totals[best])
+
+    return batch, warnings
+
+
+def _weighing(source: Surface, target: Surface, similarity: np.ndarray, settings: MatchSettings) -> Callable[..., int]:
+    """:func:`vote_weighted` on these surfaces: all that is left to give is the triplets and what is written to."""
+    return partial(
+        vote_weighted,
+        homogeneous(source.positions),
+        homogeneous(target.positions),
+        geodesics1=source.normalized_distances,
+        geodesics2=target.normalized_distances,
+        similarity=similarity,
+        scale=WEIGHT_SCALE,
+        power=WEIGHT_POWER,
+        least_pairs=int(np.ceil((settings.min_fraction or 0.0) * min(similarity.shape))),
+        spherical=settings.distance == "spherical",
+    )
+
+
+def totals_of(source: Surface, target: Surface, triplets1: np.ndarray, triplets2: np.ndarray) -> np.ndarray:
+    """The sums of the weights (I,) of triplets (I, 3) under the default settings, as in :class:`Votes`."""
+    similarity = signature_similarity(source.signatures, target.signatures)
+    totals = np.empty(len(triplets1))
+    weigh = _weighing(source, target, similarity, MatchSettings())
+    weigh(triplets1, triplets2, votes=np.zeros(similarity.shape), totals=totals)
+    return totals
+
+
+def _proposals(
+    source: Surface, target: Surface, disagreement: np.ndarray | None
+) -> tuple[Callable[..., Any], tuple[str, ...]]:
+    """The drawing of guided triplets, with tolerances as tight as still let most draws succeed."""
+    central1, central2 = source.average_distances, target.average_distances
+    trial = 200
+    for widening in (1, 2, 4, 8):
+        allowed = np.abs(central1[:, None] - central2) <= widening * CENTRALITY_TOLERANCE * central1[:, None]
+        if disagreement is not None:
+            allowed &= disagreement <= widening * HINT_TOLERANCE
+        draw = partial(
+            guided_triplets,
+            geodesics1=source.normalized_distances,
+            geodesics2=target.normalized_distances,
+            allowed=allowed,
+            least_spread=LEAST_SPREAD / widening,
+            tolerance=widening * LENGTH_TOLERANCE,
+        )
+        if len(draw(np.random.default_rng(0), trial)[0]) >= trial // 2:
+            break
+    if widening == 1:
+        return draw, ()
+    return draw, (
+        f"{source.mesh.name} and {target.mesh.name}: their geodesic distances differ much; "
+        f"triplets were drawn with tolerances {widening} times as wide",
+    )
+
+
+def signature_similarity(signatures1: np.ndarray, signatures2: np.ndarray) -> np.ndarray:
+    """How alike the wave kernel signatures (N1, e) and (N2, e) of two sets of samples are: (N1, N2) in [0, 1].
+
+    A Gaussian of the relative L1 distance. Its width is twice the median distance of a sample to the most similar
+    one, so that descriptors speak softly between shapes that differ.
+    """
+    differences = np.empty((len(signatures1), len(signatures2)))
+    for row, signature in zip(differences, signatures1, strict=True):
+        row[:] = (np.abs(signature - signatures2) / (signature + signatures2)).mean(axis=1)
+    best = np.concatenate([differences.min(axis=0), differences.min(axis=1)])
+    width = max(2 * float(np.median(best)), 1e-9)
+    return np.exp(-((differences / width) ** 2))

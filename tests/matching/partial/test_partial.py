@@ -1,0 +1,287 @@
+"""Halves of the shipped bodies, matched with whole ones: right, and nothing on what is missing."""
+
+import re
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+import mobius_match as mm
+from mobius_match.geometry.directions import directions
+from mobius_match.geometry.geodesics import geodesic_solver
+from mobius_match.geometry.normals import vertex_normals
+from mobius_match.matching.partial.agreement import BATCH, Paths, agreement, as_far
+from mobius_match.matching.partial.locate import Pair, Place
+from mobius_match.matching.partial.part import is_part, part_places
+from mobius_match.matching.partial.place import MARGIN, TORN, chances, support
+from mobius_match.mesh import examples
+from mobius_match.mesh.topology import components
+from tests.shapes import bent, grid, icosphere, lump, rotation
+
+NEAR = 0.05
+"""Per diameter of the whole."""
+
+HALVES = {
+    "person, upper half": ("person", 1, 1.0),
+    "person, lower half": ("person", 1, -1.0),
+    "quadruped, half": ("quadruped", None, -1.0),
+}
+
+
+def cut(vertices, faces, axis, side):
+    """The faces on one side of the middle, across the longest axis if none is given; numbers of their vertices."""
+    axis = np.ptp(vertices, axis=0).argmax() if axis is None else axis
+    height = side * (vertices[:, axis] - vertices[:, axis].mean())
+    part = faces[(height[faces] > 0).all(axis=1)]
+    _, label = components(part)
+    part = part[label == np.bincount(label).argmax()]
+    kept = np.unique(part)
+    return vertices[kept], np.searchsorted(kept, part), kept
+
+
+@pytest.fixture(scope="module")
+def wholes():
+    return {name: tuple(mm.prepare(path) for path in examples.paths(name)) for name in examples.names()}
+
+
+@pytest.fixture(scope="module", params=HALVES)
+def half(request, wholes):
+    """A half of a body, the numbers of its vertices there, the body, and the body in its other pose."""
+    name, axis, side = HALVES[request.param]
+    whole, other = wholes[name]
+    vertices, faces, kept = cut(whole.mesh.vertices, whole.mesh.faces, axis, side)
+    return mm.prepare((vertices, faces)), kept, whole, other, name
+
+
+def true_places(name, reverse, other):
+    faces, barycentric = examples.truth(name, reverse=reverse)
+    return np.einsum("ijk,ij->ik", other.mesh.vertices[other.mesh.faces[faces]], barycentric)
+
+
+def right(surface, found, places):
+    """Share of vertices (q,) that are within 5 % of the diameter of places (q, 3), along the surface."""
+    solve = geodesic_solver(surface.mesh.vertices, surface.mesh.faces)
+    nearest = np.linalg.norm(surface.mesh.vertices[:, None] - places, axis=2).argmin(axis=0)
+    return np.mean([solve(int(a))[b] <= NEAR * surface.diameter for a, b in zip(found, nearest, strict=True)])
+
+
+def test_half_to_the_other_pose(half, wholes):
+    part, kept, _, other, name = half
+    result = mm.match(part, other)
+    assert len(result) >= 60
+    assert right(other, result.pairs[:, 1], true_places(name, False, other)[kept[result.pairs[:, 0]]]) >= 0.9
+    assert any("matched as a part" in warning for warning in result.warnings)
+
+
+def test_other_pose_to_half(half, wholes):
+    part, kept, whole, other, name = half
+    result = mm.match(other, part)
+    assert len(result) >= 20
+    places = true_places(name, True, whole)[result.pairs[:, 0]]
+    assert right(whole, kept[result.pairs[:, 1]], places) >= 0.9
+    # Nothing whose true place is on what was cut off.
+    gaps = np.linalg.norm(whole.mesh.vertices[kept][:, None] - places, axis=2).min(axis=0)
+    assert (gaps <= NEAR * whole.diameter).all()
+
+
+def test_half_to_its_own_whole(half):
+    part, kept, whole, _, _ = half
+    result = mm.match(part, whole)
+    assert len(result) >= 80
+    assert right(whole, result.pairs[:, 1], whole.mesh.vertices[kept[result.pairs[:, 0]]]) >= 0.97
+    dense = result.dense()
+    assert np.linalg.norm(dense.positions - part.mesh.vertices, axis=1).mean() < 0.005 * np.sqrt(whole.area)
+    # What was cut off has no counterpart, what was kept has.
+    covered = np.zeros(len(whole.mesh.vertices), bool)
+    covered[kept] = True
+    assert dense.inverse.source_mapped[covered].mean() > 0.95
+    gap = np.linalg.norm(whole.mesh.vertices[:, None] - part.mesh.vertices, axis=2).min(axis=1)
+    assert not dense.inverse.source_mapped[gap > 0.05 * np.sqrt(whole.area)].any()
+
+
+@pytest.mark.parametrize("factor", [1.25, 1000.0], ids=["a quarter larger", "in other units"])
+def test_half_of_another_size(wholes, factor):
+    """Found all the same, and the note says how large."""
+    whole, other = wholes["quadruped"]
+    vertices, faces, kept = cut(whole.mesh.vertices, whole.mesh.faces, None, -1.0)
+    part = mm.prepare((factor * vertices, faces))
+    places, notes = part_places(part, other, 0)
+    assert float(re.search(r"at (\S+) times its size", notes[0])[1]) == pytest.approx(1 / factor, rel=0.06)
+    sure = places.chances >= 0.5
+    assert sure.sum() >= 50
+    true = true_places("quadruped", False, other)[kept[part.samples[sure]]]
+    assert right(other, places.points.nearest[sure], true) >= 0.9
+
+
+def test_turns_of_maps(wholes):
+    """Paths run alike under the right map; on the mirror image they do in mirrored frames."""
+    whole, _ = wholes["person"]
+    turned = np.stack([-whole.mesh.vertices[:, 0], *whole.mesh.vertices[:, 1:].T], axis=1)
+    # The same faces would look inwards.
+    mirrored = replace(whole, mesh=replace(whole.mesh, vertices=turned, faces=whole.mesh.faces[:, ::-1]))
+    same = np.arange(len(whole.proxy))
+    for other, (right_way, mirror_way) in ((whole, (0, 1)), (mirrored, (1, 0))):
+        found = Pair(whole, other).turned(same)
+        assert np.median(found[right_way]) == pytest.approx(1, abs=1e-5)
+        assert found[right_way].mean() > 0.99  # a point on a thin edge may have no direction
+        assert found[mirror_way].mean() < 0.8
+    for at_random in Pair(whole, whole).turned(np.random.default_rng(0).permutation(same)):
+        assert at_random.mean() < 0.6
+
+
+def proxy_directions(vertices, faces, distances):
+    edges = np.unique(np.sort(faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)), axis=0)
+    x, y = directions(vertices, vertex_normals(vertices, faces), edges, distances)
+    return x + 1j * y
+
+
+def test_directions_in_the_plane():
+    """Away from the point that distances are from, to either side of it the other way."""
+    vertices, faces = grid(15, 11)
+    away = vertices - vertices[80]
+    found = proxy_directions(vertices, faces, np.stack([np.linalg.norm(away, axis=1), vertices[:, 0]]))
+    inside = ((vertices[:, :2] > 1) & (vertices[:, :2] < (13, 9))).all(axis=1)
+    far = inside & (np.linalg.norm(away, axis=1) > 3)
+    np.testing.assert_allclose(np.abs(found[1]), 1, atol=1e-5)
+    # Frames are turned anyhow; the angle to the first axis is not.
+    between = (found[0] * found[1].conj())[far]
+    angle = np.arctan2(away[far, 1], away[far, 0])
+    np.testing.assert_allclose(between, np.exp(1j * angle), atol=0.1)
+
+
+def test_directions_move_with_the_surface():
+    vertices, faces = icosphere()
+    distances = np.arccos(np.clip(vertices @ vertices[[0, 5, 9]].T, -1, 1)).T
+    first = proxy_directions(vertices, faces, distances)
+    there = vertices @ rotation(1).T
+    for second, sign in (
+        (proxy_directions(there, faces, distances), 1),
+        (proxy_directions(there * (-1, 1, 1), faces[:, ::-1], distances), -1),
+    ):
+        for i, j in ((0, 1), (1, 2)):
+            one, two = first[i] * first[j].conj(), second[i] * second[j].conj()
+            np.testing.assert_allclose(two, one.real + sign * 1j * one.imag, atol=1e-4)
+
+
+def test_halves_that_lack_each_other(wholes):
+    """An upper half and a lower one, which share nothing: no match, and the reason."""
+    halves = []
+    for surface, side in zip(wholes["person"], (1.0, -1.0), strict=True):
+        halves.append(cut(surface.mesh.vertices, surface.mesh.faces, 1, side)[:2])
+    with pytest.raises(mm.NothingFoundError, match="long boundar"):
+        mm.match(*halves)
+
+
+def test_rivals_share_the_chances():
+    """Where they agree, it matters little which is right."""
+    apart = [np.array([0.0, 0.2, 0.2]), np.array([0.0, 0.0, 0.3])]
+    place = Place(SimpleNamespace(image=np.arange(3)), 1.0, list(zip((0.0, 0.0), apart, strict=True)))
+    np.testing.assert_allclose(support(place), [1, 1 / 2, 1 / 3])
+    assert place.margin == 0
+    clear = replace(place, rivals=[(1.0, apart[0])])
+    np.testing.assert_allclose(support(clear), 1, atol=1e-6)
+    assert support(replace(place, rivals=[])).tolist() == [1, 1, 1]
+
+
+def test_what_is_torn_off_or_next_to_the_cut_has_no_chance(monkeypatch):
+    """However well the rest speaks for it."""
+    good = {"distances": 0.0, "misfit": 0.0, "cut": 0.5, "badness": 0.5, "curvature": 0.0, "stretch": 0.0}
+    found = {kind: np.full(4, value) for kind, value in good.items()}
+    found["distances"][1:3] = 0.9 * TORN, 1.1 * TORN
+    found["cut"][3] = 0.9 * MARGIN
+    monkeypatch.setattr("mobius_match.matching.partial.place.evidence", lambda *_: found)
+    closed = SimpleNamespace(whole=mm.prepare(icosphere(2)))
+    place = Place(SimpleNamespace(image=np.arange(4)), 1.0, [])
+    assert (chances(closed, place) > 0.5).tolist() == [True, True, False, False]
+    assert chances(closed, place)[2:].tolist() == [0, 0]
+
+
+def vase(turns, height=36):
+    """A surface of revolution, closed."""
+    angle = 2 * np.pi * np.arange(turns) / turns
+    level = np.pi * np.arange(1, height) / height
+    radius = np.sin(level) * (1 + 0.25 * np.cos(3 * level))
+    around = np.stack([np.cos(angle), np.sin(angle), np.ones(turns)], axis=1)
+    rings = np.stack([radius, radius, 1.6 * np.cos(level)], axis=1)[:, None] * around
+    vertices = np.concatenate([rings.reshape(-1, 3), [[0, 0, 1.6], [0, 0, -1.6]]])
+    here = np.arange(turns)
+    there, last = (here + 1) % turns, (height - 2) * turns
+    top, bottom = len(vertices) - 2, len(vertices) - 1
+    faces = [np.stack([np.full(turns, top), here, there], axis=1)]
+    for k in range(0, last, turns):
+        faces.append(np.stack([k + here, k + turns + here, k + there], axis=1))
+        faces.append(np.stack([k + there, k + turns + here, k + turns + there], axis=1))
+    faces.append(np.stack([np.full(turns, bottom), last + there, last + here], axis=1))
+    return vertices, np.concatenate(faces)
+
+
+def test_a_close_choice_is_told(monkeypatch):
+    """Half a vase, cut along its axis, fits it all around, but for its triangles."""
+    monkeypatch.setattr("mobius_match.matching.partial.part.DOUBTFUL", 0.3)
+    half = cut(*vase(37), 0, 1.0)
+    _, notes = part_places(mm.prepare(half[:2]), mm.prepare(vase(40)), 0)
+    assert any("nearly as good" in note for note in notes)
+
+
+@pytest.mark.parametrize("name", examples.names())
+def test_whole_surfaces_are_no_parts(name, wholes):
+    first, second = wholes[name]
+    assert not is_part(first, second) and not is_part(second, first)
+    assert part_places(first, second, 0) == (None, [])
+
+
+def test_a_part_of_nothing_there():
+    """A flat sheet fits nowhere on the lump, which is nowhere flat."""
+    whole = mm.prepare(lump())
+    sheet, squares = bent(grid(16, 13))
+    part = mm.prepare((sheet * np.sqrt(whole.area / 9 / 260), squares))
+    places, notes = part_places(part, whole, 0)
+    assert "fits nowhere well" in notes[0]
+    assert (places.chances < 0.5).all()
+    with pytest.raises(mm.NothingFoundError, match="no match is likely enough"):
+        mm.match(part, whole)
+
+
+def random_paths(generator, samples, points):
+    return Paths(*(generator.random((samples, points), np.float32) for _ in range(3)))
+
+
+@pytest.mark.parametrize("threads", [1, 3])
+def test_agreement_is_the_formula(threads):
+    generator = np.random.default_rng(0)
+    first, second = random_paths(generator, 5, 7), random_paths(generator, 6, 9)
+    costs = generator.random((7, 9), np.float32)
+    triplets = tuple(generator.integers(0, len(side.x), (2 * BATCH + 1, 3)) for side in (first, second))
+    with ThreadPoolExecutor(threads) as pool:
+        totals = agreement(first, second, costs, *triplets, 0.2, 0.3, pool)
+
+    def sines(paths, ends):
+        x, y = paths.x[ends], paths.y[ends]
+        return x * np.roll(y, -1, axis=1) - y * np.roll(x, -1, axis=1)
+
+    apart = np.abs(first.lengths[triplets[0]][..., None] - second.lengths[triplets[1]][:, :, None]).sum(axis=1)
+    turned = np.abs(sines(first, triplets[0])[..., None] - sines(second, triplets[1])[:, :, None]).sum(axis=1)
+    summed = apart + 0.2 * turned + costs
+    np.testing.assert_allclose(totals, np.exp(-summed.min(axis=2) / 0.3).mean(axis=1), rtol=1e-5)
+
+
+def test_as_far_is_the_formula():
+    generator = np.random.default_rng(0)
+    first, second = random_paths(generator, 5, 7), random_paths(generator, 5, 9)
+    costs = generator.random((7, 9), np.float32)
+    weight = (1 / (first.lengths + 0.1))[:, :, None]
+    apart = np.minimum(np.abs(first.lengths[:, :, None] - second.lengths[:, None]), 0.4)
+    here, there = first.x + 1j * first.y, second.x + 1j * second.y
+    same_way = np.abs((weight * here[:, :, None] * there[:, None].conj()).sum(axis=0))
+    total = (2 * (weight * apart).sum(axis=0) - 0.5 * same_way) / weight.sum(axis=0) + costs
+    np.testing.assert_array_equal(as_far(first, second, costs, 0.4, 0.1, 2.0, 0.5), total.argmin(axis=1))
+
+
+def test_a_copy_in_other_units_is_the_whole():
+    vertices, faces = bent(grid(20, 17))
+    result = mm.match((vertices, faces), (3 * vertices + 1, faces), seed=0)
+    np.testing.assert_array_equal(result.pairs[:, 0], result.pairs[:, 1])
+    np.testing.assert_array_equal(result.dense().vertex_map, np.arange(len(vertices)))
+    assert not any("part of it" in line for line in result.warnings)

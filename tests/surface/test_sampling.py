@@ -1,0 +1,115 @@
+"""Section 4: curvature, its maxima, and the bounds of farthest point sampling."""
+
+import numpy as np
+import pytest
+
+from mobius_match.geometry.curvature import gauss_curvature
+from mobius_match.geometry.geodesics import geodesic_solver
+from mobius_match.geometry.laplacian import intrinsic_mesh, vertex_areas
+from mobius_match.surface.sampling import SMOOTHING_RADIUS, sample_points, spaced
+from tests.shapes import bent, ellipsoid, grid, icosphere, lump, renumbered, rotation
+
+
+def test_sphere_has_constant_curvature_that_integrates_to_four_pi():
+    mesh = intrinsic_mesh(*icosphere(4))
+    areas = vertex_areas(mesh)
+    curvature = gauss_curvature(mesh, SMOOTHING_RADIUS)  # times the area, so 4 pi on any sphere
+    np.testing.assert_allclose(curvature, 4 * np.pi, rtol=0.02)
+    assert curvature @ areas / areas.sum() == pytest.approx(4 * np.pi, rel=1e-9)
+
+
+def test_rolled_sheet_has_none_and_its_border_does_not_count():
+    vertices, faces = grid(20, 15)
+    vertices[:, 2] = np.cos(vertices[:, 0] * 0.3)
+    curvature = gauss_curvature(intrinsic_mesh(vertices, faces), SMOOTHING_RADIUS)
+    assert np.abs(curvature).max() < 0.2
+
+
+def test_ellipsoid_has_its_textbook_curvature():
+    axes = np.array([1.0, 1.2, 1.6])
+    vertices, faces = ellipsoid(tuple(axes), 5)
+    mesh = intrinsic_mesh(vertices, faces)
+    expected = 1 / (axes.prod() ** 2 * (vertices**2 / axes**4).sum(axis=1) ** 2) * vertex_areas(mesh).sum()
+    np.testing.assert_allclose(gauss_curvature(mesh, SMOOTHING_RADIUS), expected, rtol=0.07)
+
+
+def test_maxima_are_the_tips():
+    """A sphere with five bumps: every bump's tip is a maximum, and the tips come first."""
+    vertices, faces = lump(4)
+    mesh = intrinsic_mesh(vertices, faces)
+    samples = sample_points(mesh, geodesic_solver(vertices, faces), 40)
+    assert samples.n_maxima >= 5
+    maxima = vertices[samples.vertices[: samples.n_maxima]]
+    directions = np.array([[1, 0.2, 0.1], [-0.5, 1, 0.3], [0.1, -0.6, 1], [-0.3, -0.4, -1], [0.3, -1, -0.3]])
+    for direction in directions:
+        cosine = maxima @ direction / np.linalg.norm(maxima, axis=1) / np.linalg.norm(direction)
+        assert cosine.max() > 0.99, f"no maximum at {direction}"
+
+
+@pytest.mark.parametrize("shape", [icosphere(3), lump(3), bent(grid(20, 20))])
+@pytest.mark.parametrize("method", ["heat", "dijkstra"])
+def test_farthest_points_cover_and_keep_apart(shape, method):
+    """After the maxima each point is the farthest: the last gap bounds the covering, and all later gaps."""
+    mesh = intrinsic_mesh(*shape)
+    samples = sample_points(mesh, geodesic_solver(*shape, method), 50)
+    assert len(set(samples.vertices.tolist())) == 50
+    gaps = []
+    for k in range(max(samples.n_maxima, 1), 50):
+        nearest = samples.distances[:k].min(axis=0)
+        assert nearest[samples.vertices[k]] == pytest.approx(nearest.max(), rel=1e-12)
+        gaps.append(nearest.max())
+    assert (np.diff(gaps) <= 1e-12).all()
+    assert samples.covering_radius <= gaps[-1]
+
+
+def test_rotation_scale_and_numbering_give_the_same_points():
+    vertices, faces = lump(3)
+    (moved, moved_faces), new = renumbered((0.01 * vertices @ rotation().T, faces))
+    first = sample_points(intrinsic_mesh(vertices, faces), geodesic_solver(vertices, faces), 30)
+    second = sample_points(intrinsic_mesh(moved, moved_faces), geodesic_solver(moved, moved_faces), 30)
+    np.testing.assert_array_equal(new[first.vertices], second.vertices)
+
+
+def test_curvature_is_stable_between_triangulations():
+    """Maxima of two independent triangulations of one shape lie at the same places."""
+    from scipy.spatial import cKDTree
+
+    coarse, fine = lump(4), lump(5)
+    rng = np.random.default_rng(0)
+    directions = fine[0] / np.linalg.norm(fine[0], axis=1, keepdims=True)
+    chosen = rng.permutation(len(directions))[:3000]
+    from scipy.spatial import ConvexHull
+
+    hull = ConvexHull(directions[chosen])  # another triangulation of a random part of the vertices
+    vertices, faces = fine[0][chosen], hull.simplices
+    outward = np.einsum(
+        "ij,ij->i",
+        np.cross(*(directions[chosen][faces[:, k]] - directions[chosen][faces[:, 0]] for k in (1, 2))),
+        directions[chosen][faces[:, 0]],
+    )
+    faces = np.where(outward[:, None] > 0, faces, faces[:, ::-1])
+    found = []
+    for shape in (coarse, (vertices, faces.astype(np.int64))):
+        samples = sample_points(intrinsic_mesh(*shape), geodesic_solver(*shape), 40)
+        found.append(shape[0][samples.vertices[: samples.n_maxima]])
+    # The five strongest are the five tips in both.
+    gaps = cKDTree(found[1]).query(found[0][:5])[0]
+    assert gaps.max() < 0.15
+
+
+def test_fewer_vertices_than_samples_gives_all_of_them():
+    shape = icosphere(0)
+    samples = sample_points(intrinsic_mesh(*shape), geodesic_solver(*shape), 50)
+    assert sorted(samples.vertices.tolist()) == list(range(12))
+
+
+def test_points_are_kept_in_turn():
+    ways = np.abs(np.subtract.outer(np.arange(7.0), np.arange(7.0)))
+    nothing = np.zeros(7, bool)
+    everyone = np.arange(7)
+    assert spaced(ways, 2.0, nothing, everyone).tolist() == [0, 2, 4, 6]
+    assert spaced(ways, 2.0, everyone == 3, everyone).tolist() == [0, 3, 5]
+    assert spaced(ways, 0.0, nothing, everyone).tolist() == list(range(7))
+    assert spaced(ways, 9.0, everyone > 4, everyone).tolist() == [5, 6]
+    assert spaced(ways[:0, :0], 1.0, nothing[:0], everyone[:0]).tolist() == []
+    assert spaced(ways, 2.0, nothing[:5], np.array([5, 6, 1, 0, 3])).tolist() == [5, 1, 3]
