@@ -24,12 +24,12 @@ import numpy as np
 import mobius_match as mm
 from mobius_match._core.files import write_atomically
 from mobius_match._core.processes import Died, Workers
+from mobius_match.alignments import coarse_map as spreading
+from mobius_match.alignments import cost as evidence
+from mobius_match.alignments import explanation as hypotheses
 from mobius_match.errors import FormatError
 from mobius_match.evaluation import Case, Truth, find_dataset, summary
 from mobius_match.evaluation.work import match_pair, prepare_one, record_of, surface_path
-from mobius_match.explanations import coarse_map as spreading
-from mobius_match.explanations import cost as evidence
-from mobius_match.explanations import explanation as hypotheses
 from mobius_match.geometry.optimal_transport import Transport
 from mobius_match.registration import confidence
 from mobius_match.registration import register as registration
@@ -79,11 +79,11 @@ def unbent(source: Surface, target: Surface, image: np.ndarray, *_: Any, **__: A
 
 def finer(source: Surface, target: Surface, image: np.ndarray) -> np.ndarray:
     """Stands for targets of which nothing is left over: the finer ones."""
-    return spreading.finer_targets(source, target, image, source.proxy)
+    return spreading.refined_targets(source, target, image, source.proxy)
 
 
 def not_bent() -> AbstractContextManager[Any]:
-    return patch.multiple(hypotheses, register=unbent, sketched=unbent)
+    return patch.multiple(hypotheses, register=unbent, register_coarsely=unbent)
 
 
 Patches = Callable[[], AbstractContextManager[Any]]

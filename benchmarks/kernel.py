@@ -19,7 +19,7 @@ import numpy as np
 import plain_kernel
 
 import mobius_match as mm
-from mobius_match.mesh import examples
+from mobius_match.evaluation import examples
 from mobius_match.voting import kernel, nearest, sweep
 from mobius_match.voting.mobius import homogeneous
 from mobius_match.voting.proposals import uniform_triplets

@@ -11,8 +11,8 @@ from pathlib import Path
 import numpy as np
 
 import mobius_match as mm
+from mobius_match.evaluation import examples
 from mobius_match.exporting.figures import draw_shapes, png
-from mobius_match.mesh import examples
 from mobius_match.mesh.topology import edges_of
 from mobius_match.transfer.morph import morph
 from mobius_match.transfer.transfer import Carrier

@@ -15,7 +15,7 @@ from PIL import Image
 
 import mobius_match as mm
 from mobius_match import viewer
-from mobius_match.mesh import examples
+from mobius_match.evaluation import examples
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 from tests.viewer.chromium import Chromium

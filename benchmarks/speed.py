@@ -18,7 +18,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import mobius_match as mm
-from mobius_match.mesh import examples
+from mobius_match.evaluation import examples
 
 REPEATS = 3
 

@@ -22,13 +22,14 @@ from pathlib import Path
 import numpy as np
 
 import mobius_match as mm
-from mobius_match.mesh import examples, read_mesh, repair
+from mobius_match.evaluation import examples
+from mobius_match.mesh import read_mesh, repair
 from mobius_match.mesh.measure import unit_box
 from mobius_match.mesh.simplify import simplify
 
 SIZES = (5, 20, 100, 500, 1000)
 STAGES = ("reading", "simplifying", "sampling", "flattening", "descriptors", "preparation")
-REST = ("voting", "explanations", "matches", "total")
+REST = ("voting", "alignments", "matches", "total")
 
 
 def make(thousands: int, folder: Path) -> None:

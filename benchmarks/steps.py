@@ -17,11 +17,11 @@ from matplotlib.collections import LineCollection
 
 import mobius_match as mm
 from mobius_match._core.files import write_atomically
-from mobius_match.explanations.candidates import explanations
-from mobius_match.explanations.coarse_map import finer_targets
+from mobius_match.alignments.candidates import explanations
+from mobius_match.alignments.coarse_map import refined_targets
+from mobius_match.evaluation import examples
 from mobius_match.exporting.figures import colours_of, draw_matches
 from mobius_match.geometry.laplacian import intrinsic_mesh
-from mobius_match.mesh import examples
 from mobius_match.surface.flattening import choose_cut_face, flatten, vertex_positions
 from mobius_match.transfer.transfer import Carrier
 from mobius_match.voting.assignment import max_row_column, normalized
@@ -58,7 +58,7 @@ def planes(result):
     carrier = Carrier(result.dense())
     colours = colours_of(carrier.source.vertices)
     carried = carrier.values(colours)
-    triplets = result.votes.best1[0], result.votes.best2[0]
+    triplets = result.votes.best_source[0], result.votes.best_target[0]
     figure, row = plt.subplots(1, 3, figsize=(11, 4), layout="constrained")
     for k, (surface, paint) in enumerate(((result.source, colours), (result.target, carried))):
         flat, samples, middle = flattened(surface, paint)
@@ -136,7 +136,7 @@ def bent(result):
     source, target = result.source, result.target
     chosen = explanations(source, target, result.votes)[0]
     colours = colours_of(source.mesh.vertices[source.proxy])
-    sent = target.mesh.vertices[finer_targets(source, target, chosen.image, source.proxy)]
+    sent = target.mesh.vertices[refined_targets(source, target, chosen.image, source.proxy)]
     positions = chosen.registered(source, target).positions
     figure, row = plt.subplots(1, 3, figsize=(11, 4.6), layout="constrained")
     shown = (source.mesh.vertices[source.proxy], sent, positions)

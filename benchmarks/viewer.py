@@ -21,8 +21,8 @@ import trimesh
 
 import mobius_match as mm
 from mobius_match import viewer
+from mobius_match.evaluation import examples
 from mobius_match.exporting.figures import draw_matches
-from mobius_match.mesh import examples
 from mobius_match.mesh.measure import unit_box
 from mobius_match.mesh.simplify import simplify
 

@@ -5,9 +5,8 @@ import pytest
 
 import mobius_match as mm
 from benchmarks.ablation import WITHOUT, record_without, reversed_case
-from mobius_match.evaluation import Case, Truth
+from mobius_match.evaluation import Case, Truth, examples
 from mobius_match.evaluation.summary import headline
-from mobius_match.mesh import examples
 
 LEFT_OUT = (
     "nothing left out",

@@ -24,7 +24,7 @@ import trimesh
 from gpytoolbox import remesh_botsch
 from template import Floats, Ints, Template
 
-DATA = Path(__file__).resolve().parents[1] / "src" / "mobius_match" / "examples" / "data"
+DATA = Path(__file__).resolve().parents[1] / "src" / "mobius_match" / "evaluation" / "examples" / "data"
 VERTICES = 5000  # about so many in each mesh
 TOLERANCE = 0.005  # relative, of the number of vertices
 

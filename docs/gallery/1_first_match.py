@@ -8,8 +8,8 @@ Two poses of an animal, each meshed on its own: which vertex of one is which ver
 import numpy as np
 
 import mobius_match as mm
+from mobius_match.evaluation import examples
 from mobius_match.exporting.figures import draw_matches
-from mobius_match.mesh import examples
 
 source, target = examples.paths("quadruped")
 result = mm.match(source, target, seed=0)

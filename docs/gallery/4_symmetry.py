@@ -9,8 +9,8 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import mobius_match as mm
+from mobius_match.evaluation import examples
 from mobius_match.exporting.figures import draw_shapes
-from mobius_match.mesh import examples
 
 found = mm.symmetry(examples.paths("person")[1], seed=0)
 print(found)

@@ -11,7 +11,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import mobius_match as mm
-from mobius_match.mesh import examples
+from mobius_match.evaluation import examples
 
 # %%
 # The animal in two poses, and the second again with a longer neck: another animal.

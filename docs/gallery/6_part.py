@@ -8,8 +8,8 @@ The front half of an animal, looked for on the whole animal in another pose.
 import numpy as np
 
 import mobius_match as mm
+from mobius_match.evaluation import examples
 from mobius_match.exporting.figures import draw_matches
-from mobius_match.mesh import examples
 
 first, second = examples.paths("quadruped")
 whole = mm.read_mesh(first)

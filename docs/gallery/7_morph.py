@@ -9,8 +9,8 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import mobius_match as mm
+from mobius_match.evaluation import examples
 from mobius_match.exporting.figures import draw_shapes
-from mobius_match.mesh import examples
 from mobius_match.transfer.animation import animated_glb
 from mobius_match.transfer.morph import morph
 

@@ -14,6 +14,7 @@ from .errors import FormatError, MeshError, MobiusError, NothingFoundError, Sett
 from .results.actions import provide
 
 if TYPE_CHECKING:
+    from .evaluation import examples
     from .evaluation.quality import Quality, isometric_distance, quality
     from .exporting.figures import draw_matches, draw_shapes
     from .exporting.formats import export
@@ -22,7 +23,7 @@ if TYPE_CHECKING:
     from .matching.match import match
     from .matching.rematch import rematch
     from .matching.symmetry.symmetry import Symmetry, symmetry
-    from .mesh import Mesh, examples, read_mesh
+    from .mesh import Mesh, read_mesh
     from .results.correspondence import Correspondence
     from .results.surface_map import SurfaceMap
     from .settings import MatchSettings, PrepareSettings
@@ -101,7 +102,7 @@ __all__ = [
 
 def __getattr__(name: str) -> Any:
     if name == "examples":
-        return import_module(".mesh.examples", __name__)
+        return import_module(".evaluation.examples", __name__)
     if name in _HOMES:
         return getattr(import_module(f".{_HOMES[name]}", __name__), name)
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -8,8 +8,8 @@ import pytest
 
 import mobius_match as mm
 from mobius_match.cli.demo import measure
+from mobius_match.evaluation import examples
 from mobius_match.geometry.geodesics import geodesic_solver
-from mobius_match.mesh import examples
 
 
 def test_every_pair_is_matched_measured_and_kept(mobius, tmp_path):

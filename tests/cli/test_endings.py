@@ -8,7 +8,6 @@ from pathlib import Path
 
 import pytest
 
-import mobius_match.matching
 from mobius_match.cli.common import exit_code
 from mobius_match.cli.signals import Terminated
 from mobius_match.errors import MobiusError
@@ -127,7 +126,7 @@ def test_a_defect_is_one_line_and_a_traceback_on_demand(mobius, pair, monkeypatc
     def fail(*_, **__):
         raise RuntimeError("boom\nand more")
 
-    monkeypatch.setattr(mobius_match.matching, "match", fail)
+    monkeypatch.setattr("mobius_match.matching.match.match", fail)
     ended_with(mobius("match", *pair[:2]), 1, "internal error: RuntimeError: boom and more", "--verbose")
     shown = mobius("match", *pair[:2], "--verbose")
     assert shown.code == 1

@@ -96,7 +96,7 @@ READ_ONLY = """
 import sys
 import numba.core.caching as caching
 caching.CacheImpl._locator_classes = []  # as if no folder could be written
-from mobius_match import compiling
+from mobius_match._core import compiling
 
 @compiling.jit
 def kernel(x):

@@ -15,9 +15,8 @@ import numpy as np
 import pytest
 from matplotlib.image import imread
 
-from mobius_match.evaluation import figures, summary
+from mobius_match.evaluation import examples, figures, summary
 from mobius_match.evaluation.report import write_report
-from mobius_match.mesh import examples
 
 from .records import failed, record, run, usual
 

@@ -287,7 +287,7 @@ def test_no_global_state_of_matplotlib():
     import sys
 
     code = (
-        "import sys, numpy as np, mobius_match.figures as f\n"
+        "import sys, numpy as np, mobius_match.exporting.figures as f\n"
         "assert 'matplotlib' not in sys.modules\n"
         "f._png(np.ones((64, 64, 3)), (64, 64), 'x')\n"
         "assert 'matplotlib.pyplot' not in sys.modules\n"

@@ -225,4 +225,4 @@ def test_dense_text(result, partial, tmp_path):
     result.export(tmp_path / "out.txt", dense=partial)
     export(partial, tmp_path / "same.txt")
     assert (tmp_path / "out.txt").read_bytes() == (tmp_path / "same.txt").read_bytes()
-    np.testing.assert_array_equal(np.loadtxt(tmp_path / "out.txt", dtype=int), partial.vertices)
+    np.testing.assert_array_equal(np.loadtxt(tmp_path / "out.txt", dtype=int), partial.vertex_map)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from mobius_match.geometry.nearest_neighbors import WIDTH, Leaves, nearest_rows, together
+from mobius_match.geometry.nearest_neighbors import WIDTH, NearestNeighbors, nearest_neighbors, spatial_order
 
 
 def by_all_distances(queries, rows):
@@ -20,11 +20,11 @@ def test_equal_to_all_distances(n, columns, falling):
     rows = generator.standard_normal((n, columns)) * size
     queries = np.concatenate([rows[:5] + 1e-3 * size, generator.standard_normal((200, columns)) * size])
     squared, nearest = by_all_distances(queries, rows)
-    found = nearest_rows(queries, rows)
+    found = nearest_neighbors(queries, rows)
     everyone = np.arange(len(queries))
     np.testing.assert_allclose(squared[everyone, found], squared[everyone, nearest], rtol=1e-5, atol=1e-12)
     assert np.mean(found == nearest) > 0.99
-    np.testing.assert_array_equal(nearest_rows(rows, rows), np.arange(n))
+    np.testing.assert_array_equal(nearest_neighbors(rows, rows), np.arange(n))
 
 
 def test_the_lowest_of_equal_ones_whatever_the_leaves():
@@ -33,21 +33,21 @@ def test_the_lowest_of_equal_ones_whatever_the_leaves():
     rows = np.concatenate([rows, 3 - rows])  # the mean is a number without rounding, and so are all differences
     queries = generator.integers(0, 8, (300, 3)) / 2
     nearest = by_all_distances(queries, rows)[1]
-    np.testing.assert_array_equal(nearest_rows(queries, rows), nearest)
+    np.testing.assert_array_equal(nearest_neighbors(queries, rows), nearest)
     order = generator.permutation(504)
     order[order >= 500] = 499
-    np.testing.assert_array_equal(Leaves(rows, order.reshape(-1, WIDTH)).nearest(queries), nearest)
+    np.testing.assert_array_equal(NearestNeighbors(rows, order.reshape(-1, WIDTH)).nearest(queries), nearest)
 
 
 def test_far_from_the_origin():
     generator = np.random.default_rng(0)
     rows, queries = generator.random((400, 6)), generator.random((100, 6))
-    np.testing.assert_array_equal(nearest_rows(queries + 1e5, rows + 1e5), by_all_distances(queries, rows)[1])
+    np.testing.assert_array_equal(nearest_neighbors(queries + 1e5, rows + 1e5), by_all_distances(queries, rows)[1])
 
 
 def test_leaves_hold_every_point_and_lie_together():
     points = np.random.default_rng(0).random((1000, 3))
-    order = together(points)
+    order = spatial_order(points)
     assert order.shape == (42, WIDTH)
     np.testing.assert_array_equal(np.unique(order), np.arange(1000))
     assert np.ptp(points[order], axis=1).max(axis=1).mean() < 0.5

@@ -7,10 +7,10 @@ import pytest
 
 import mobius_match as mm
 from mobius_match.errors import FormatError, SettingsError
+from mobius_match.evaluation import examples
 from mobius_match.exporting import FORMATS
-from mobius_match.landmarks.constraints import hints_of, pinned
+from mobius_match.landmarks.constraints import apply_constraints, landmark_constraints
 from mobius_match.landmarks.tables import Landmarks
-from mobius_match.mesh import examples
 from tests.shapes import icosphere, lump, renumbered, rotation
 
 
@@ -149,11 +149,11 @@ def test_parts_take_hints_too():
 def test_pins_keep_their_arms_turned(copies):
     source, target, new = copies
     vertices = np.array([3, 200])
-    hints, _ = hints_of(np.column_stack([vertices, new[vertices]]), source, target)
-    pins = hints.pins(source, target, target.mesh.vertices)
+    hints, _ = landmark_constraints(np.column_stack([vertices, new[vertices]]), source, target)
+    pins = hints.point_constraints(source, target, target.mesh.vertices)
     turns = np.tile(rotation(4), (len(source.proxy), 1, 1))
     rest = source.mesh.vertices[source.proxy] / np.sqrt(source.area)
-    places, trust = pinned(pins, np.zeros((len(rest), 3)), np.ones(len(rest)), turns)
+    places, trust = apply_constraints(pins, np.zeros((len(rest), 3)), np.ones(len(rest)), turns)
     for row, place, arm in zip(pins.rows, pins.places, pins.arms, strict=True):
         np.testing.assert_allclose(places[row], place + arm @ rotation(4))
     untouched = np.setdiff1d(np.arange(len(rest)), pins.rows)
@@ -191,13 +191,13 @@ def test_repeated_and_doubtful_hints_get_a_line(copies):
     source, target, new = copies
     some = [0, 100, 200, 300, 400]
     pairs = [[i, new[i]] for i in some]
-    hints, notes = hints_of([*pairs, pairs[1]], source, target)
+    hints, notes = landmark_constraints([*pairs, pairs[1]], source, target)
     assert notes == ["landmarks: 1 given more than once count once"]
     np.testing.assert_array_equal(hints.pairs, pairs)
     solve = source.distances[:, 0]
     far = int(source.samples[solve.argmax()])
     near = int(source.samples[0])
-    _, notes = hints_of([*pairs, [near, new[far]]], source, target)
+    _, notes = landmark_constraints([*pairs, [near, new[far]]], source, target)
     assert len(notes) == 1
     assert f"vertex {near} and array vertex {new[far]} are not as far from the other landmarks" in notes[0]
 
@@ -219,7 +219,7 @@ def test_two_files_are_paired_by_name_or_by_order(copies, tmp_path, ending):
     if ending == ".morphologika":  # has no names
         two = Landmarks(names, None, target.mesh.vertices[new[some]])
     paths = [written(tmp_path, f"one{ending}", [one]), written(tmp_path, f"two{ending}", [two])]
-    hints, notes = hints_of(paths, source, target)
+    hints, notes = landmark_constraints(paths, source, target)
     assert notes == []
     np.testing.assert_array_equal(hints.pairs, np.column_stack([some, new[some]]))
 
@@ -241,9 +241,9 @@ def test_files_of_pairs_and_of_two_specimens(copies, tmp_path):
         tmp_path / "from1.csv",
     ]
     for path in files:
-        hints, _ = hints_of(path, source, target)
+        hints, _ = landmark_constraints(path, source, target)
         np.testing.assert_array_equal(hints.pairs, wanted)
-    hints, _ = hints_of(tmp_path / "own.csv", source, target)
+    hints, _ = landmark_constraints(tmp_path / "own.csv", source, target)
     np.testing.assert_array_equal(hints.pairs[:2], wanted)
 
 
@@ -265,11 +265,11 @@ def test_bad_files_of_hints(copies, tmp_path, files, message):
         (tmp_path / name).write_text(text)
     paths = [tmp_path / name for name in files]
     if message is None:
-        _, notes = hints_of(paths, *copies[:2])
+        _, notes = landmark_constraints(paths, *copies[:2])
         assert any("on one side only, and left out: 2" in note for note in notes)
         return
     with pytest.raises((FormatError, SettingsError), match=message):
-        hints_of(paths, *copies[:2])
+        landmark_constraints(paths, *copies[:2])
 
 
 def test_hints_on_a_large_mesh_are_those_of_the_users_vertices(copies):

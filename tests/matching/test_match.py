@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 import mobius_match as mm
+from mobius_match.evaluation import examples
 from mobius_match.geometry.geodesics import geodesic_solver
-from mobius_match.mesh import examples
 from mobius_match.settings import make_settings
 from tests.shapes import bent, grid, lump, renumbered, rotation, tube
 
@@ -129,12 +129,12 @@ def test_matches_between_the_samples_keep_their_distance(spacing):
     # None of the samples is given up, but for another that is surer of the same vertex of the target.
     assert sampled.sum() >= 0.95 * len(few)
     places = np.searchsorted(source.proxy, np.searchsorted(source.mesh.vertex_ids, result.pairs[:, 0]))
-    ways = source.proxy_ways[np.ix_(places, places)] + np.diag(np.full(len(places), np.inf))
+    ways = source.proxy_geodesics[np.ix_(places, places)] + np.diag(np.full(len(places), np.inf))
     assert (ways[~sampled] >= spacing).all()
     # As many as find room: each vertex of the proxy that was left out lies close to one that was not.
     left = np.setdiff1d(np.arange(len(source.proxy)), places)
     if spacing:
-        assert (source.proxy_ways[np.ix_(left, places)].min(axis=1) < spacing + 0.02).all()
+        assert (source.proxy_geodesics[np.ix_(left, places)].min(axis=1) < spacing + 0.02).all()
     assert len(result) == pytest.approx({0.0: 1170, 0.025: 600, 0.06: 180, 0.2: 100}[spacing], rel=0.1)
     assert (np.diff(result.confidence) <= 0).all()
 

@@ -7,9 +7,9 @@ import pytest
 from scipy.spatial import cKDTree
 
 import mobius_match as mm
-from mobius_match.geometry.interpolation import interpolated
-from mobius_match.mesh import examples
-from mobius_match.registration.confidence import chances, distances_of_places, evidence
+from mobius_match.evaluation import examples
+from mobius_match.geometry.interpolation import interpolate_nearby
+from mobius_match.registration.confidence import confidence_features, distances_to_images, match_probabilities
 from mobius_match.registration.register import register
 from tests.shapes import lump
 
@@ -22,12 +22,12 @@ def copy():
 
 def test_a_copy_has_nothing_against_it(copy):
     surface, registration = copy
-    distances = distances_of_places(surface, surface, registration)
+    distances = distances_to_images(surface, surface, registration)
     np.testing.assert_allclose(distances, surface.distances, atol=0.02 * surface.diameter)
-    found = evidence(surface, surface, registration, distances)
-    for kind in ("distances", "misfit", "stretch"):
+    found = confidence_features(surface, surface, registration, distances)
+    for kind in ("distances", "residual", "stretch"):
         assert found[kind].max() < 0.015, kind
-    assert chances(surface, surface, registration, distances).min() > 0.98
+    assert match_probabilities(surface, surface, registration, distances).min() > 0.98
 
 
 def test_a_wrong_place_is_doubted_and_the_others_are_not(copy):
@@ -39,10 +39,10 @@ def test_a_wrong_place_is_doubted_and_the_others_are_not(copy):
     positions = registration.positions.copy()
     positions[here] = surface.mesh.vertices[image[here]]
     wrong = replace(registration, image=image, positions=positions)
-    found = chances(surface, surface, wrong, distances_of_places(surface, surface, wrong))
+    found = match_probabilities(surface, surface, wrong, distances_to_images(surface, surface, wrong))
     # The doubt spreads to what lies around.
     assert (found < found[here]).mean() < 0.01
-    assert surface.proxy_ways[here, np.argmin(found)] < 0.1
+    assert surface.proxy_geodesics[here, np.argmin(found)] < 0.1
     assert np.median(found) > 0.95
 
 
@@ -54,7 +54,7 @@ def test_values_between_points_come_from_the_four_nearest(size):
     apart, near = cKDTree(points).query(queries, min(4, size))
     weights = 1 / (apart + 1e-3 * apart.mean()) ** 2
     wanted = np.einsum("nqk,qk->nq", values[:, near], weights / weights.sum(axis=1, keepdims=True))
-    found = interpolated(points, queries, values)
+    found = interpolate_nearby(points, queries, values)
     np.testing.assert_allclose(found, wanted, rtol=1e-9)
     np.testing.assert_allclose(found[:, 0], values[:, 0], atol=1e-4)
 

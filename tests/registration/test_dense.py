@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 import mobius_match as mm
+from mobius_match.alignments.alignment import Alignment
+from mobius_match.alignments.dense import dense_map_of_alignment
+from mobius_match.evaluation import examples
 from mobius_match.evaluation.quality import isometric_distance, quality
-from mobius_match.explanations.dense import map_along
-from mobius_match.explanations.explanation import Explanation
-from mobius_match.mesh import examples
 from mobius_match.mesh.topology import edges_of
 from mobius_match.registration.dense import dense_map
 from mobius_match.registration.register import register
@@ -36,7 +36,7 @@ def test_a_turned_scaled_and_renumbered_copy_gives_the_identity(surface):
     number = np.argsort(order)
     copy = (5 * vertices @ rotation(1).T + 3)[order], number[faces]
     found = mm.match((vertices, faces), copy, seed=0).dense()
-    np.testing.assert_array_equal(found.vertices, number)
+    np.testing.assert_array_equal(found.vertex_map, number)
     np.testing.assert_array_equal(found.inverse.vertex_map, order)
     assert quality(found).orientation == 1.0
 
@@ -85,8 +85,8 @@ def test_the_other_is_bent_from_where_the_first_has_come_to_lie(short_and_long):
     """Not from the explanation, which may have torn off an arm that the bending put right."""
     short, long = short_and_long
     good = register(short, long, short.proxy)
-    astray = Explanation(np.roll(short.proxy, 300), {}, 0.0, 1.0, registration=good)
-    found = map_along(short, long, astray)
+    astray = Alignment(np.roll(short.proxy, 300), {}, 0.0, 1.0, registration=good)
+    found = dense_map_of_alignment(short, long, astray)
     assert np.linalg.norm(found.positions - long.mesh.vertices, axis=1).mean() < 0.03 * np.sqrt(long.area)
 
 

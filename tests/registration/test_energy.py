@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from mobius_match.registration.energy import covariances, turned_sums
+from mobius_match.registration.energy import covariances, rotated_edge_sums
 
 
 def test_sums_are_those_over_all_pairs():
@@ -21,5 +21,5 @@ def test_sums_are_those_over_all_pairs():
     )
     means = (turns[:, None] + turns) / 2
     np.testing.assert_allclose(
-        turned_sums(starts, end, edges, turns), np.einsum("ij,ija,ijab->ib", joined, before, means), atol=1e-12
+        rotated_edge_sums(starts, end, edges, turns), np.einsum("ij,ija,ijab->ib", joined, before, means), atol=1e-12
     )

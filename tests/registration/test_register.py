@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import mobius_match as mm
-from mobius_match.mesh import examples
-from mobius_match.registration.register import ALIKE, SKETCHED, _seen, register, stretching
+from mobius_match.evaluation import examples
+from mobius_match.registration.register import ALIKE, SKETCHED, _appearance, register, stretching
 from tests.shapes import lump, rotation
 
 
@@ -22,8 +22,8 @@ def test_a_copy_stays_where_it_is(surface):
     found = register(surface, mm.prepare((moved, faces)), surface.proxy)
     np.testing.assert_array_equal(found.image, surface.proxy)
     np.testing.assert_allclose(found.positions, moved[surface.proxy], atol=1e-6)
-    assert found.misfit.max() < 1e-6
-    assert found.turn.max() < 1e-6
+    assert found.residual.max() < 1e-6
+    assert found.normal_deviation.max() < 1e-6
 
 
 def test_blur_is_mended(surface):
@@ -53,8 +53,8 @@ def test_another_pose_is_met_more_closely_than_by_the_map_it_began_with():
     scale = np.sqrt(target.area)
     before = np.linalg.norm(target.mesh.vertices[start] - places, axis=1).mean() / scale
     assert np.linalg.norm(found.positions - places, axis=1).mean() / scale < 0.6 * before
-    assert found.misfit.mean() < 0.01
-    assert found.turn.mean() < 0.1
+    assert found.residual.mean() < 0.01
+    assert found.normal_deviation.mean() < 0.1
 
 
 def test_curvatures_keep_bumps_together_where_proportions_differ(surface):
@@ -64,7 +64,7 @@ def test_curvatures_keep_bumps_together_where_proportions_differ(surface):
     apart = np.linalg.norm(places[:, None] - longer.mesh.vertices, axis=2) / np.sqrt(longer.area)
     start = np.array([generator.choice(np.flatnonzero(row < 0.08)) for row in apart])
     with_them, without = (
-        np.linalg.norm(register(surface, longer, start, seen=seen).positions - places, axis=1).mean()
+        np.linalg.norm(register(surface, longer, start, feature_weights=seen).positions - places, axis=1).mean()
         for seen in (ALIKE, SKETCHED)
     )
     assert with_them < 0.9 * without
@@ -72,10 +72,10 @@ def test_curvatures_keep_bumps_together_where_proportions_differ(surface):
 
 def test_of_what_has_no_weight_there_is_no_column(surface):
     n, kinds = len(surface.mesh.vertices), surface.descriptors.shape[1]
-    relief = surface.relief.shape[1]
+    relief = surface.curvature_features.shape[1]
     for weights, columns in (((0.0, 0.0), 0), ((0.5, 0.0), kinds), ((0.0, 0.5), relief), ((0.5, 2.0), kinds + relief)):
-        assert _seen(surface, weights).shape == (n, columns)
-    np.testing.assert_allclose(_seen(surface, (0.5, 2.0))[:, kinds:], 2.0 * surface.relief, rtol=1e-6)
+        assert _appearance(surface, weights).shape == (n, columns)
+    np.testing.assert_allclose(_appearance(surface, (0.5, 2.0))[:, kinds:], 2.0 * surface.curvature_features, rtol=1e-6)
 
 
 def test_a_piece_that_the_map_tears_off_follows_the_body(surface):

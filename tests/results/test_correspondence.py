@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import mobius_match as mm
-from mobius_match.mesh import examples
+from mobius_match.evaluation import examples
 from tests.shapes import lump
 
 

@@ -15,7 +15,7 @@ import trimesh
 
 import mobius_match as mm
 from mobius_match.errors import SettingsError
-from mobius_match.mesh import examples
+from mobius_match.evaluation import examples
 from mobius_match.surface import cache, storage
 from mobius_match.surface import prepare as preparing
 from tests.shapes import lump, renumbered
@@ -138,17 +138,17 @@ def test_whatever_changes_the_surface_is_made_anew(meshes, prepared, tmp_path, m
 
 def test_a_mesh_that_changes_between_two_looks_is_kept_as_what_was_read(meshes, monkeypatch, tmp_path):
     path = Path(shutil.copy(meshes[0], tmp_path / "mesh.off"))
-    real = preparing.matchable
+    real = preparing.matchable_mesh
 
     def overtaken(thing):
         shutil.copy(meshes[1], path)
         return real(thing)
 
-    monkeypatch.setattr(preparing, "matchable", overtaken)
+    monkeypatch.setattr(preparing, "matchable_mesh", overtaken)
     first = mm.prepare(path, samples=10, cache=True)
     shutil.copy(meshes[0], path)
-    assert cache.find(path, first.settings) is None
-    assert arrays(cache.find(meshes[1], first.settings)) == arrays(mm.prepare(meshes[1], samples=10))
+    assert cache.load_cached(path, first.settings) is None
+    assert arrays(cache.load_cached(meshes[1], first.settings)) == arrays(mm.prepare(meshes[1], samples=10))
 
 
 def only(folder):
@@ -187,7 +187,7 @@ def test_no_flipped_bit_gets_through(meshes, cache_folder):
         flipped = bytearray(whole)
         flipped[place] ^= 1 << int(generator.integers(8))
         path.write_bytes(flipped)
-        found = cache.find(meshes[0], surface.settings)
+        found = cache.load_cached(meshes[0], surface.settings)
         assert found is None or arrays(found) == good, place
         noticed += found is None
     assert noticed > len(places) / 2
@@ -237,10 +237,10 @@ def test_many_at_once_get_in_no_ones_way(meshes, monkeypatch, cache_folder):
     def work(number):
         while not stop.is_set():
             surface = surfaces[number % 2]
-            found = cache.find(meshes[0], surface.settings)
+            found = cache.load_cached(meshes[0], surface.settings)
             assert found is None or arrays(found) == good[number % 2]
             hits[number % 2] += found is not None
-            cache.keep(meshes[0], surface)
+            cache.store(meshes[0], surface)
             if number == 0:
                 cache.clear_cache()
 
@@ -260,7 +260,7 @@ def test_a_folder_that_cannot_be_written_is_no_error(meshes, monkeypatch, tmp_pa
     monkeypatch.setenv("MOBIUS_CACHE_DIR", str(tmp_path / "file"))
     assert len(mm.prepare(meshes[0], samples=10, cache=True).samples) == 10
     assert "one.off: not kept in the cache" in caplog.text
-    assert list(cache.kept(cache.cache_folder())) == []
+    assert list(cache.cached_files(cache.cache_folder())) == []
 
 
 def test_files_that_name_others_are_not_kept(meshes, cache_folder, tmp_path):

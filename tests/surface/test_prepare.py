@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import mobius_match as mm
-from mobius_match._core.threads import each
+from mobius_match._core.threads import map_threads
 from tests.shapes import lump, tube
 
 
@@ -23,7 +23,7 @@ def test_results_in_order_and_progress_from_the_calling_thread(jobs):
         assert threading.get_ident() == here
         told.append(event)
 
-    assert each(work, 4, jobs, note) == [0, 1, 4, 9]
+    assert map_threads(work, 4, jobs, note) == [0, 1, 4, 9]
     for i in range(4):
         assert [event for event in told if event[0] == f"work {i}"] == [(f"work {i}", done, 3) for done in range(3)]
 
@@ -34,7 +34,7 @@ def test_the_first_error_is_raised(jobs):
         raise ValueError(f"number {i}")
 
     with pytest.raises(ValueError, match="number 0"):
-        each(work, 2, jobs, None)
+        map_threads(work, 2, jobs, None)
 
 
 def test_an_interruption_ends_the_other_threads():
@@ -53,7 +53,7 @@ def test_an_interruption_ends_the_other_threads():
         raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        each(work, 2, 2, interrupt)
+        map_threads(work, 2, 2, interrupt)
     assert begun.is_set()
     assert stopped.is_set()
 

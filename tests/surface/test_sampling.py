@@ -6,7 +6,7 @@ import pytest
 from mobius_match.geometry.curvature import gauss_curvature
 from mobius_match.geometry.geodesics import geodesic_solver
 from mobius_match.geometry.laplacian import intrinsic_mesh, vertex_areas
-from mobius_match.surface.sampling import SMOOTHING_RADIUS, sample_points, spaced
+from mobius_match.surface.sampling import SMOOTHING_RADIUS, sample_points, thin_out
 from tests.shapes import bent, ellipsoid, grid, icosphere, lump, renumbered, rotation
 
 
@@ -107,9 +107,9 @@ def test_points_are_kept_in_turn():
     ways = np.abs(np.subtract.outer(np.arange(7.0), np.arange(7.0)))
     nothing = np.zeros(7, bool)
     everyone = np.arange(7)
-    assert spaced(ways, 2.0, nothing, everyone).tolist() == [0, 2, 4, 6]
-    assert spaced(ways, 2.0, everyone == 3, everyone).tolist() == [0, 3, 5]
-    assert spaced(ways, 0.0, nothing, everyone).tolist() == list(range(7))
-    assert spaced(ways, 9.0, everyone > 4, everyone).tolist() == [5, 6]
-    assert spaced(ways[:0, :0], 1.0, nothing[:0], everyone[:0]).tolist() == []
-    assert spaced(ways, 2.0, nothing[:5], np.array([5, 6, 1, 0, 3])).tolist() == [5, 1, 3]
+    assert thin_out(ways, 2.0, nothing, everyone).tolist() == [0, 2, 4, 6]
+    assert thin_out(ways, 2.0, everyone == 3, everyone).tolist() == [0, 3, 5]
+    assert thin_out(ways, 0.0, nothing, everyone).tolist() == list(range(7))
+    assert thin_out(ways, 9.0, everyone > 4, everyone).tolist() == [5, 6]
+    assert thin_out(ways[:0, :0], 1.0, nothing[:0], everyone[:0]).tolist() == []
+    assert thin_out(ways, 2.0, nothing[:5], np.array([5, 6, 1, 0, 3])).tolist() == [5, 1, 3]

@@ -73,10 +73,10 @@ def test_the_dense_map_is_of_all_the_users_vertices(large, surface):
     (moved, moved_faces), new = renumbered((vertices @ rotation().T, faces), seed=4)
     target = mm.prepare((moved, moved_faces), samples=60, resolution=1500)
     found = mm.match(surface, target).dense()
-    assert found.vertices[0] == -1  # which no face uses
-    assert (found.vertices[1:] >= 0).all()
+    assert found.vertex_map[0] == -1  # which no face uses
+    assert (found.vertex_map[1:] >= 0).all()
     size = np.ptp(vertices, axis=0).max()
-    apart = np.linalg.norm(moved[found.vertices[1:]] - moved[new[1:]], axis=1) / size
+    apart = np.linalg.norm(moved[found.vertex_map[1:]] - moved[new[1:]], axis=1) / size
     assert apart.mean() < 0.01
     carried = found.transfer(vertices)[new[1:]]
     assert np.nanmean(np.linalg.norm(carried - vertices[1:], axis=1)) < 0.01 * size

@@ -44,12 +44,14 @@ def test_a_saved_surface_comes_back_as_it_was(surface, tmp_path):
 def test_relief_is_free_of_scale_and_a_sphere_has_little():
     vertices, faces = lump(4)
     found = mm.prepare((vertices, faces))
-    assert np.abs(np.median(found.relief[found.proxy], axis=0)).max() < 1e-3
-    assert found.relief[found.proxy].std(axis=0) == pytest.approx([1, 1], abs=0.15)
+    assert np.abs(np.median(found.curvature_features[found.proxy], axis=0)).max() < 1e-3
+    assert found.curvature_features[found.proxy].std(axis=0) == pytest.approx([1, 1], abs=0.15)
     bumps, middle = np.argmax(np.linalg.norm(vertices, axis=1)), np.argmin(np.linalg.norm(vertices, axis=1))
-    assert (found.relief[bumps] > found.relief[middle] + 2).all()
-    np.testing.assert_allclose(mm.prepare((1000 * vertices + 5, faces)).relief, found.relief, atol=2e-3)
-    assert np.abs(mm.prepare(icosphere(3)).relief).max() < 0.5
+    assert (found.curvature_features[bumps] > found.curvature_features[middle] + 2).all()
+    np.testing.assert_allclose(
+        mm.prepare((1000 * vertices + 5, faces)).curvature_features, found.curvature_features, atol=2e-3
+    )
+    assert np.abs(mm.prepare(icosphere(3)).curvature_features).max() < 0.5
 
 
 def test_a_mesh_without_a_file_too(tmp_path):

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from mobius_match.voting import nearest
-from mobius_match.voting.kernel import FAR, TURN, coordinates, explained_pairs, to_canonical, vote, vote_weighted
+from mobius_match.voting.kernel import FAR, TURN, coordinates, mutual_pairs, to_canonical, vote, vote_weighted
 from mobius_match.voting.mobius import CANONICAL_TRIANGLE, INFINITY, apply, from_three_points, homogeneous
 from mobius_match.voting.proposals import uniform_triplets
 from mobius_match.voting.sweep import SEEDS, SWEEP_FROM, sweep
@@ -141,9 +141,9 @@ def test_weighted_vote_equals_its_twin(problem, spherical):
     similarity = rng.random((30, 26))
     votes = np.zeros((30, 26))
     weigh = (geodesics1, geodesics2, similarity, 0.5, 3.0)
-    totals = np.full(400, np.nan)
-    n_voting = vote_weighted(*problem, *weigh, 0, spherical, votes, totals)
-    assert np.isfinite(totals).all()
+    triplet_weights = np.full(400, np.nan)
+    n_voting = vote_weighted(*problem, *weigh, 0, spherical, votes, triplet_weights)
+    assert np.isfinite(triplet_weights).all()
     expected, n_expected = vote_twin(*problem, 0, 0.01, spherical, weigh)
     assert n_voting == n_expected
     np.testing.assert_array_equal(votes > 0, expected > 0)  # the same pairs, every one
@@ -152,7 +152,7 @@ def test_weighted_vote_equals_its_twin(problem, spherical):
 
 def test_explained_pairs_equal_the_twin(problem):
     points1, points2, triplets1, triplets2 = problem
-    explained = explained_pairs(*problem)
+    explained = mutual_pairs(*problem)
     for row, t1, t2 in zip(explained, triplets1, triplets2, strict=True):
         z, w = canonical_twin(points1, t1), canonical_twin(points2, t2)
         pairs = [] if z is None else pairs_twin(z, w)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import mobius_match as mm
-from mobius_match.mesh import examples
+from mobius_match.evaluation import examples
 from mobius_match.settings import make_settings
 from mobius_match.voting.votes import SETTLED, cast_votes
 from tests.shapes import lump, tube

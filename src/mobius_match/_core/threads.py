@@ -17,7 +17,7 @@ Progress = Callable[[str, int, int], None]
 """Called with the name of a stage, how much of it is done, and how much there is."""
 
 
-def each(
+def map_threads(
     work: Callable[[int, Progress], Result], number: int, jobs: int | None, progress: Progress | None
 ) -> list[Result]:
     """Results of ``work(0, tell), work(1, tell), ...`` in this order, worked out in as many threads as there may be.

@@ -21,12 +21,12 @@ def cache(
     used for longest is deleted first when it gets too large. The environment variables MOBIUS_CACHE_DIR and
     MOBIUS_CACHE_MB name another folder, and how many megabytes it may have.
     """
-    from ..surface.cache import cache_folder, cache_limit, clear_cache, kept
+    from ..surface.cache import cache_folder, cache_limit, cached_files, clear_cache
 
     folder, limit = cache_folder().absolute(), cache_limit()
     if clear:
         clear_cache()
-    sizes = [stat.st_size for _, stat in kept(folder)]
+    sizes = [stat.st_size for _, stat in cached_files(folder)]
     if json:
         found = {"folder": str(folder), "surfaces": len(sizes), "bytes": sum(sizes), "limit": limit}
         write(STDOUT, to_json(found))

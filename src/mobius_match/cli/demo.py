@@ -31,7 +31,7 @@ def demo(
     The error of a match is the geodesic distance on the target from the matched vertex to the true point, as
     a fraction of the target's diameter.
     """
-    from ..mesh import examples
+    from ..evaluation import examples
     from ..viewer import page
 
     make_folder(output)

@@ -16,7 +16,7 @@ from ..errors import MobiusError
 from ..matching.match import match
 from ..mesh import Mesh
 from ..settings import MatchSettings
-from ..surface.prepare import matchable, prepare
+from ..surface.prepare import matchable_mesh, prepare
 from ..surface.surface import Surface
 from .datasets import Case
 from .scoring import Scorer, cached_diameter, mesh_area
@@ -102,7 +102,7 @@ def score_dense(case: Case, scoring: str, path: Path, index_base: int) -> dict[s
     """Score a dense map that another program made."""
     start = time.perf_counter()
     dense = read_vertices(path, index_base, gaps=True)
-    source, target = matchable(case.source), matchable(case.target)
+    source, target = matchable_mesh(case.source), matchable_mesh(case.target)
     scored = _scorer(case, source, target, scoring)
     found = scored.score_map(dense)
     return {

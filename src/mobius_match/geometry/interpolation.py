@@ -8,7 +8,7 @@ NEIGHBOURS = 4
 """Vertices of the proxy that a distance is interpolated from."""
 
 
-def interpolated(points: np.ndarray, queries: np.ndarray, values: np.ndarray) -> np.ndarray:
+def interpolate_nearby(points: np.ndarray, queries: np.ndarray, values: np.ndarray) -> np.ndarray:
     """Values (N, p) that are known at points (p, 3), at queries (q, 3): (N, q), by distance in space."""
     return _means(np.sqrt(squared_distances(queries, points)), values)
 

@@ -24,7 +24,7 @@ SLACK = np.float32(1 - 1e-5)
 """Bounds are lowered by this factor: they are rounded, as squared distances are."""
 
 
-class Leaves:
+class NearestNeighbors:
     """Rows (n, k) to find the nearest among.
 
     Parameters
@@ -32,8 +32,8 @@ class Leaves:
     rows
         (n, k) float, n > 0.
     order
-        (L, WIDTH) int64, rows that lie together, as :func:`together` gives them for rows like these; the result does
-        not depend on it, the time does.
+        (L, WIDTH) int64, rows that lie together, as :func:`spatial_order` gives them for rows like these; the time
+        depends on it, the result does not.
     """
 
     def __init__(self, rows: np.ndarray, order: np.ndarray | None = None) -> None:
@@ -41,7 +41,7 @@ class Leaves:
         self._middle = rows.mean(axis=0)
         rows = _single(rows - self._middle)
         leading = min(LEADING, rows.shape[1])
-        self._order = together(rows[:, :leading]) if order is None else order
+        self._order = spatial_order(rows[:, :leading]) if order is None else order
         blocks = np.zeros((len(self._order), _strides(rows), WIDTH), np.float32)
         self._low, self._high = np.empty((2, leading, len(blocks)), np.float32)
         _pack(rows, self._order, blocks, self._low, self._high)
@@ -56,12 +56,12 @@ class Leaves:
         return found
 
 
-def nearest_rows(queries: np.ndarray, rows: np.ndarray) -> np.ndarray:
+def nearest_neighbors(queries: np.ndarray, rows: np.ndarray) -> np.ndarray:
     """Number of the nearest of ``rows`` (n, k) to each of ``queries`` (p, k), (p,) int64; the lowest of equal ones."""
-    return Leaves(rows).nearest(queries)
+    return NearestNeighbors(rows).nearest(queries)
 
 
-def together(points: np.ndarray) -> np.ndarray:
+def spatial_order(points: np.ndarray) -> np.ndarray:
     """Points (n, d) in groups that lie together, (L, WIDTH) int64; the last is filled up with one of its own."""
     order = np.arange(-(-len(points) // WIDTH) * WIDTH)
     order[len(points) :] = len(points) - 1

@@ -37,7 +37,7 @@ HEARD = 60
 
 
 @dataclass(frozen=True, eq=False)
-class Pins:
+class PointConstraints:
     """Points of a body that is bent, and where they belong.
 
     Parameters
@@ -55,20 +55,20 @@ class Pins:
     arms: np.ndarray
 
 
-def pinned(
-    pins: Pins | None, places: np.ndarray, trust: np.ndarray, turns: np.ndarray
+def apply_constraints(
+    point_constraints: PointConstraints | None, places: np.ndarray, data_weight: np.ndarray, rotations: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Places (n, 3) and their trust (n,), pinned points where they belong, with the turns (n, 3, 3) around them."""
-    if pins is None:
-        return places, trust
-    places, trust = places.copy(), trust.copy()
-    arms = np.einsum("pi,pij->pj", pins.arms, turns[pins.rows]) if len(turns) else 0.0
-    places[pins.rows], trust[pins.rows] = pins.places + arms, PINNED
-    return places, trust
+    if point_constraints is None:
+        return places, data_weight
+    places, data_weight = places.copy(), data_weight.copy()
+    arms = np.einsum("pi,pij->pj", point_constraints.arms, rotations[point_constraints.rows]) if len(rotations) else 0.0
+    places[point_constraints.rows], data_weight[point_constraints.rows] = point_constraints.places + arms, PINNED
+    return places, data_weight
 
 
 @dataclass(frozen=True, eq=False)
-class Hints:
+class LandmarkConstraints:
     """Hints on two prepared surfaces; those are none the wiser.
 
     Parameters
@@ -92,9 +92,11 @@ class Hints:
     distances: tuple[np.ndarray, np.ndarray]
 
     @property
-    def inverse(self) -> Hints:
+    def inverse(self) -> LandmarkConstraints:
         """The hints from target to source."""
-        return Hints(self.pairs[:, ::-1], self.ends[::-1], self.vertices[::-1], self.beside[::-1], self.distances[::-1])
+        return LandmarkConstraints(
+            self.pairs[:, ::-1], self.ends[::-1], self.vertices[::-1], self.beside[::-1], self.distances[::-1]
+        )
 
     def disagreement(self, source: Surface, target: Surface, here: np.ndarray, there: np.ndarray) -> np.ndarray:
         """How much vertices (q1,) and (q2,) differ in their distances from the hints, (q1, q2), mean per sqrt(area)."""
@@ -107,14 +109,14 @@ class Hints:
             total += np.abs(one[:, None] - other)
         return total / len(mine)
 
-    def astray(self, source: Surface, target: Surface, image: np.ndarray) -> np.ndarray:
+    def displacement(self, source: Surface, target: Surface, image: np.ndarray) -> np.ndarray:
         """How far (h,) per sqrt(area) of the target a map of the proxy (P1,) to its vertices sends the hints."""
         every, rows = np.arange(len(self.distances[0])), self.beside[0][: len(self.distances[0])]
         # What a vertex beside the hint may be off, it is not astray.
         beside = self.distances[0][every, source.proxy[rows]] / np.sqrt(source.area)
         return np.maximum(self.distances[1][every, image[rows]] / np.sqrt(target.area) - beside, 0.0)
 
-    def pins(self, source: Surface, target: Surface, places: np.ndarray) -> Pins:
+    def point_constraints(self, source: Surface, target: Surface, places: np.ndarray) -> PointConstraints:
         """The hints for bending the source's proxy.
 
         Parameters
@@ -127,9 +129,9 @@ class Hints:
         rest = source.mesh.vertices / np.sqrt(source.area)
         rows, first = np.unique(self.beside[0], return_index=True)  # of two hints beside one vertex the first
         here, there = (vertices[first] for vertices in self.vertices)
-        return Pins(rows, places[there], rest[source.proxy[rows]] - rest[here])
+        return PointConstraints(rows, places[there], rest[source.proxy[rows]] - rest[here])
 
-    def contradictions(self, source: Surface, target: Surface) -> list[str]:
+    def inconsistency_warnings(self, source: Surface, target: Surface) -> list[str]:
         """A line on the hint that fits least with the others, if it does not fit with most of them."""
         heard = len(self.distances[0])
         mine, theirs = (
@@ -149,7 +151,7 @@ class Hints:
         ]
 
 
-def hints_of(given: Any, source: Surface, target: Surface) -> tuple[Hints, list[str]]:
+def landmark_constraints(given: Any, source: Surface, target: Surface) -> tuple[LandmarkConstraints, list[str]]:
     """Hints, checked, and a line for whatever is left out of them.
 
     Parameters
@@ -199,8 +201,8 @@ def hints_of(given: Any, source: Surface, target: Surface) -> tuple[Hints, list[
         (beside1, distances1), (beside2, distances2) = (
             _around(surface, vertices) for surface, vertices in zip((source, target), simple, strict=True)
         )
-    found = Hints(pairs, ends, (simple[0], simple[1]), (beside1, beside2), (distances1, distances2))
-    return found, notes + found.contradictions(source, target)
+    found = LandmarkConstraints(pairs, ends, (simple[0], simple[1]), (beside1, beside2), (distances1, distances2))
+    return found, notes + found.inconsistency_warnings(source, target)
 
 
 def _around(surface: Surface, vertices: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -209,7 +211,7 @@ def _around(surface: Surface, vertices: np.ndarray) -> tuple[np.ndarray, np.ndar
     places = (mesh.vertices - mesh.vertices.mean(axis=0)) / scale  # far from overflow, as in preparation
     solve = geodesic_solver(places, mesh.faces, surface.settings.geodesics)
     distances = np.stack([solve(int(vertex)) * scale for vertex in vertices[:HEARD]]).astype(np.float32)
-    return surface.homes[vertices], distances
+    return surface.nearest_proxy[vertices], distances
 
 
 def _ends(surface: Surface, numbers: np.ndarray) -> np.ndarray:
@@ -247,14 +249,19 @@ def _pairs(given: Any, source: Surface, target: Surface) -> tuple[np.ndarray, li
     return pairs.astype(np.int64), []
 
 
-def given_first(matches: dict[str, Any], hints: Hints | None, target: Surface) -> dict[str, Any]:
+def with_given_pairs(
+    matches: dict[str, Any], constraints: LandmarkConstraints | None, target: Surface
+) -> dict[str, Any]:
     """Matches, as fields of a :class:`.Correspondence`, with hints before all others and in place of theirs."""
-    if hints is None:
+    if constraints is None:
         return matches
-    number = len(hints.pairs)
-    kept = ~(np.isin(matches["pairs"][:, 0], hints.pairs[:, 0]) | np.isin(matches["pairs"][:, 1], hints.pairs[:, 1]))
+    number = len(constraints.pairs)
+    kept = ~(
+        np.isin(matches["pairs"][:, 0], constraints.pairs[:, 0])
+        | np.isin(matches["pairs"][:, 1], constraints.pairs[:, 1])
+    )
     found = {
-        "pairs": np.concatenate([hints.pairs, matches["pairs"][kept]]),
+        "pairs": np.concatenate([constraints.pairs, matches["pairs"][kept]]),
         "confidence": np.concatenate([np.ones(number), matches["confidence"][kept]]),
         "kind": np.concatenate([np.full(number, "voted"), matches["kind"][kept]]),
         "given": np.arange(number + kept.sum()) < number,
@@ -262,7 +269,7 @@ def given_first(matches: dict[str, Any], hints: Hints | None, target: Surface) -
     others = matches.get("target_points")
     if others is not None:
         mesh = target.whole_mesh
-        exact = points_at(mesh.faces, hints.ends[1])
+        exact = points_at(mesh.faces, constraints.ends[1])
         parts = mesh.face_ids[exact.faces], mesh.vertex_ids[exact.corners], exact.barycentric
         rest = others.faces[kept], others.corners[kept], others.barycentric[kept]
         points = SurfacePoints(*(np.concatenate(both) for both in zip(parts, rest, strict=True)))

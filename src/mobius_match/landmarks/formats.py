@@ -74,7 +74,7 @@ def marks_writer(path: Path) -> MarksWriter:
     known = {ending: one.marks for one in LANDMARK_FORMATS.values() if one.marks for ending in one.endings}
     ending = ending_of(path, known)
     if not ending:
-        raise SettingsError(f"{path}: landmarks are written as {', '.join(known)}")
+        raise SettingsError(f"{path}: unknown ending; landmarks are written as {', '.join(known)}")
     return known[ending]
 
 

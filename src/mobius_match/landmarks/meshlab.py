@@ -40,9 +40,9 @@ def read_pp(path: Path, wanted: str) -> list[Landmarks]:
         if tag == "DataFileName":
             specimen = found.get("name", "")
         elif tag == "point":
-            lacking = [name for name in "xyz" if name not in found]
-            if lacking:
-                raise wrong(path, line, f"a point without {lacking[0]}")
+            both_incomplete = [name for name in "xyz" if name not in found]
+            if both_incomplete:
+                raise wrong(path, line, f"a point without {both_incomplete[0]}")
             active = found.get("active", "1") != "0"
             place = coordinates(path, line, [found[name].strip() for name in "xyz"])
             places.append(place if active else MISSING)

@@ -9,26 +9,26 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from .._core.threads import Progress, each
+from .._core.threads import Progress, map_threads
 from .._core.versions import software
+from ..alignments.alignment import Alignment
+from ..alignments.candidates import alignments_with_landmarks
+from ..alignments.coarse_map import coarse_map
+from ..alignments.groups import TRUSTED
+from ..alignments.selection import ambiguity_warnings, rerank_by_registration
 from ..errors import NothingFoundError, SettingsError
-from ..explanations.candidates import heeding
-from ..explanations.coarse_map import spread
-from ..explanations.explanation import Explanation
-from ..explanations.groups import TRUSTED
-from ..explanations.selection import contested, doubts
 from ..geometry.points import SurfacePoints, closest_points
-from ..landmarks.constraints import Hints, given_first, hints_of
-from ..registration.confidence import chances, distances_of_places
+from ..landmarks.constraints import LandmarkConstraints, landmark_constraints, with_given_pairs
+from ..registration.confidence import distances_to_images, match_probabilities
 from ..results.correspondence import Alternative, Correspondence
 from ..settings import MatchSettings, make_settings
-from ..surface.prepare import finished, opened
-from ..surface.sampling import spaced
+from ..surface.prepare import begin_preparation, complete_preparation
+from ..surface.sampling import thin_out
 from ..surface.surface import Surface
 from ..voting.assignment import linear_assignment, max_row_column, normalized, recover
 from ..voting.votes import Votes, cast_votes
-from .partial.part import DISTRUST, LACKING, PartPlaces, lacking, part_places
-from .partial.place import OPEN, openness
+from .partial.part import DISTRUST, LACKING, PartMatch, both_incomplete, match_part
+from .partial.place import OPEN, boundary_length
 
 if TYPE_CHECKING:
     from ..results.surface_map import SurfaceMap
@@ -64,8 +64,8 @@ def match(
         ``"paper"`` for the settings of the publication.
     landmarks
         Pairs that are known: (k, 2) vertex numbers counting from 0, a file of pairs, or the source's and the target's
-        files of landmarks; see :func:`mobius_match.hints.hints_of`. They are in the result with confidence 1, and guide
-        all other matches.
+        files of landmarks; see :func:`mobius_match.landmarks.constraints.landmark_constraints`. They are in the result
+        with confidence 1, and guide all other matches.
     cache
         Take the surfaces of mesh files from the cache if they were prepared before, else keep them there. The result
         does not depend on it.
@@ -104,42 +104,44 @@ def match(
     # Both are read and checked before the work on either begins.
     preparation = chosen.preparation()
     things = source, target
-    begun = each(lambda i, _: opened(things[i], preparation, cache), 2, chosen.jobs, progress)
+    begun = map_threads(lambda i, _: begin_preparation(things[i], preparation, cache), 2, chosen.jobs, progress)
     timings = {"reading": time.perf_counter() - start}
     begin = time.perf_counter()
-    surfaces = each(lambda i, tell: finished(things[i], begun[i], preparation, cache, tell), 2, chosen.jobs, progress)
+    surfaces = map_threads(
+        lambda i, tell: complete_preparation(things[i], begun[i], preparation, cache, tell), 2, chosen.jobs, progress
+    )
     for side, half, surface in zip(("source", "target"), begun, surfaces, strict=True):
         if half is not surface:
             timings |= {f"{side} {name}": seconds for name, seconds in surface.timings.items()}
     timings["preparation"] = time.perf_counter() - begin
     first, second = surfaces
     begin = time.perf_counter()
-    hints, notes = (None, []) if landmarks is None else hints_of(landmarks, first, second)
+    constraints, notes = (None, []) if landmarks is None else landmark_constraints(landmarks, first, second)
     votes = cast_votes(first, second, chosen, progress)
     timings["voting"] = time.perf_counter() - begin
     begin = time.perf_counter()
     # One BLAS thread: sums must not depend on the number of processors.
     with threadpool_limits(limits=1, user_api="blas"):
         # The paper's own voting knows whole surfaces only.
-        places, of_parts = part_places(first, second, chosen.seed, chosen.jobs, hints) if guided else (None, [])
-        found: list[Explanation] = []
-        if places is None or openness(places.whole) > OPEN:
-            votes, found = heeding(first, second, votes, chosen, hints)
-            if places and found and found[0].badness < ALIKE:
+        places, of_parts = match_part(first, second, chosen.seed, chosen.jobs, constraints) if guided else (None, [])
+        found: list[Alignment] = []
+        if places is None or boundary_length(places.whole) > OPEN:
+            votes, found = alignments_with_landmarks(first, second, votes, chosen, constraints)
+            if places and found and found[0].cost < ALIKE:
                 places, of_parts = None, []
-            if not places and found and lacking(first, second, found[0].badness):
+            if not places and found and both_incomplete(first, second, found[0].cost):
                 of_parts.append(LACKING)
-            found = [] if places else contested(first, second, found, chosen.jobs)
-        timings["explanations"] = time.perf_counter() - begin
+            found = [] if places else rerank_by_registration(first, second, found, chosen.jobs)
+        timings["alignments"] = time.perf_counter() - begin
         begin = time.perf_counter()
         if places:
             here, voted = first.samples, np.ones(len(first.samples), bool)
-            matches = _reported(first, second, here, places.points, places.chances, voted, chosen)
+            matches = _reported(first, second, here, places.points, places.match_probabilities, voted, chosen)
         elif found:
             matches = _explained(first, second, votes, found[0], chosen, DISTRUST if LACKING in of_parts else 1.0)
         else:
             matches = _voted(first, second, votes, chosen)
-        matches = given_first(matches, hints, second)
+        matches = with_given_pairs(matches, constraints, second)
     if not len(matches["pairs"]):
         raise NothingFoundError(
             f"{first.mesh.name} and {second.mesh.name}: no match is likely enough to be right; lower --threshold, or "
@@ -155,7 +157,7 @@ def match(
             **chosen.to_dict(),
             "preset": preset,
             "votes": votes.n_triplets,
-            **({} if hints is None else {"landmarks": hints.pairs.tolist()}),
+            **({} if constraints is None else {"landmarks": constraints.pairs.tolist()}),
         },
         timings=timings,
         software=dict(software()),
@@ -165,9 +167,9 @@ def match(
             "triplets": votes.n_triplets,
             "voting triplets": votes.n_voting,
         },
-        warnings=(*first.notes, *second.notes, *votes.warnings, *of_parts, *notes, *doubts(found)),
+        warnings=(*first.notes, *second.notes, *votes.warnings, *of_parts, *notes, *ambiguity_warnings(found)),
         others=partial(_alternatives, first, second, votes, found, chosen),
-        spread=partial(_spread, first, second, votes, places or found, chosen, hints),
+        spread=partial(_spread, first, second, votes, places or found, chosen, constraints),
         source=first,
         target=second,
         votes=votes,
@@ -189,7 +191,7 @@ def _explained(
     source: Surface,
     target: Surface,
     votes: Votes,
-    explanation: Explanation,
+    alignment: Alignment,
     settings: MatchSettings,
     trust: float = 1.0,
 ) -> dict[str, Any]:
@@ -200,9 +202,9 @@ def _explained(
     A sample that section 8 pairs with a sample near its place is voted, and so are the points that are nearest to it;
     another place is recovered from all others.
     """
-    registration = explanation.registered(source, target)
-    distances = distances_of_places(source, target, registration)
-    chance = trust * chances(source, target, registration, distances)
+    registration = alignment.registered(source, target)
+    distances = distances_to_images(source, target, registration)
+    probability = trust * match_probabilities(source, target, registration, distances)
     scale = np.sqrt(target.area)
     points = closest_points(
         target.mesh.vertices / scale, target.mesh.faces, registration.positions / scale, registration.image
@@ -212,7 +214,7 @@ def _explained(
     radius = settings.recovery_radius or MatchSettings.recovery_radius
     voted[pairs[:, 0]] = distances[pairs[:, 0], pairs[:, 1]] <= radius * target.diameter
     voted = voted[source.proxy_distances.argmin(axis=0)]
-    return _reported(source, target, source.proxy, points, chance, voted, settings, source.proxy_ways)
+    return _reported(source, target, source.proxy, points, probability, voted, settings, source.proxy_geodesics)
 
 
 def _reported(
@@ -220,7 +222,7 @@ def _reported(
     target: Surface,
     here: np.ndarray,
     points: SurfacePoints,
-    chance: np.ndarray,
+    probability: np.ndarray,
     voted: np.ndarray,
     settings: MatchSettings,
     ways: np.ndarray | None = None,
@@ -231,10 +233,10 @@ def _reported(
     spacing to a sample, or to a more confident one.
     """
     threshold = CHANCE_THRESHOLD if settings.threshold is None else settings.threshold
-    kept = np.flatnonzero((chance >= threshold) & (voted | (settings.recovery_radius > 0)))
-    kept = kept[np.argsort(-chance[kept], kind="stable")]
+    kept = np.flatnonzero((probability >= threshold) & (voted | (settings.recovery_radius > 0)))
+    kept = kept[np.argsort(-probability[kept], kind="stable")]
     if ways is not None:
-        kept = spaced(ways, settings.spacing, np.isin(here[kept], source.samples), kept)
+        kept = thin_out(ways, settings.spacing, np.isin(here[kept], source.samples), kept)
     points, mesh = points[kept], target.whole_mesh
     if target.detail is not None:
         points = target.detail.lifted(target.mesh, points)
@@ -244,7 +246,7 @@ def _reported(
     kept, there = kept[first], points[first]
     return {
         "pairs": np.stack([source.mesh.vertex_ids[here[kept]], mesh.vertex_ids[there.nearest]], axis=1),
-        "confidence": chance[kept],
+        "confidence": probability[kept],
         "kind": np.where(voted, "voted", "recovered")[kept],
         "target_points": SurfacePoints(mesh.face_ids[there.faces], mesh.vertex_ids[there.corners], there.barycentric),
     }
@@ -254,36 +256,36 @@ def _spread(
     source: Surface,
     target: Surface,
     votes: Votes,
-    found: list[Explanation] | PartPlaces,
+    found: list[Alignment] | PartMatch,
     settings: MatchSettings,
-    hints: Hints | None,
+    constraints: LandmarkConstraints | None,
 ) -> SurfaceMap:
     """The dense map under the chosen explanation; without one, under the matches of the samples."""
-    from ..explanations.dense import map_along
+    from ..alignments.dense import dense_map_of_alignment
     from ..registration.dense import dense_map
 
     with threadpool_limits(limits=1, user_api="blas"):
-        if isinstance(found, PartPlaces):
+        if isinstance(found, PartMatch):
             of_part = dense_map(found.part, found.whole, found.registration, whole=False)
             found_map = of_part if found.part_is_source else of_part.inverse
-            return found_map if hints is None else found_map.with_pairs(*hints.ends)
+            return found_map if constraints is None else found_map.with_pairs(*constraints.ends)
         if not found:
             pairs, _ = _assign(votes.matrix, settings)
-            image = target.proxy[spread(source, target, pairs[:TRUSTED], hints).argmax(axis=1)]
-            found = [Explanation(image, {}, 0.0, 1.0, hints=hints)]
-        along = map_along(source, target, found[0])
-        return along if hints is None else along.with_pairs(*hints.ends)
+            image = target.proxy[coarse_map(source, target, pairs[:TRUSTED], constraints).argmax(axis=1)]
+            found = [Alignment(image, {}, 0.0, 1.0, constraints=constraints)]
+        along = dense_map_of_alignment(source, target, found[0])
+        return along if constraints is None else along.with_pairs(*constraints.ends)
 
 
 def _alternatives(
-    source: Surface, target: Surface, votes: Votes, found: list[Explanation], settings: MatchSettings
+    source: Surface, target: Surface, votes: Votes, found: list[Alignment], settings: MatchSettings
 ) -> tuple[Alternative, ...]:
     """The matches under the explanations that lost."""
     with threadpool_limits(limits=1, user_api="blas"):
         return tuple(
             Alternative(
-                **given_first(_explained(source, target, votes, one, settings), one.hints, target),
-                margin=one.badness - found[0].badness,
+                **with_given_pairs(_explained(source, target, votes, one, settings), one.constraints, target),
+                margin=one.cost - found[0].cost,
                 share=one.share,
             )
             for one in found[1:]

@@ -17,7 +17,7 @@ TEAR = 0.07
 """How much longer than the edge its image is, per sqrt(area), where the map is torn."""
 
 
-class Body:
+class DeformationGraph:
     """A graph of points (p, 3) with edges (E, 2), of which each neighbourhood would rather turn than change."""
 
     def __init__(self, rest: np.ndarray, edges: np.ndarray) -> None:
@@ -34,7 +34,7 @@ class Body:
         self._laplacian = sp.csr_matrix((entries, (rows, columns)), shape=(size, size))
         self._pattern = Pattern(self._laplacian, np.ones(size))
 
-    def held(self, images: np.ndarray) -> np.ndarray:
+    def continuous(self, images: np.ndarray) -> np.ndarray:
         """Which points (p,) bool images (p, 3) leave whole: the largest piece, and those that lie beside it as before.
 
         A piece that is only cut off by a few wrong points stays; one that was sent elsewhere does not.
@@ -54,29 +54,31 @@ class Body:
         first = nearest[np.searchsorted(pieces[nearest], np.arange(number))]
         return np.asarray(drift[first] < TEAR)[pieces]
 
-    def settle(
-        self, positions: np.ndarray, places: np.ndarray, trust: np.ndarray, steps: int
+    def solve(
+        self, positions: np.ndarray, places: np.ndarray, data_weight: np.ndarray, steps: int
     ) -> tuple[np.ndarray, np.ndarray]:
         """Positions (p, 3) between rigidity and places, which count as trust (p,) says, and the turns (p, 3, 3).
 
         Turning and moving take turns.
         """
-        factors = self._pattern.factors(self._laplacian.data, trust)
+        factors = self._pattern.factors(self._laplacian.data, data_weight)
         for _ in range(steps):
-            turns = nearest_rotations(covariances(self._starts, self._end, self._rest, positions))
-            wanted = turned_sums(self._starts, self._end, self._rest, turns)
-            positions = factors.solve(wanted + trust[:, None] * places)
-        return positions, turns
+            rotations = nearest_rotations(covariances(self._starts, self._end, self._rest, positions))
+            wanted = rotated_edge_sums(self._starts, self._end, self._rest, rotations)
+            positions = factors.solve(wanted + data_weight[:, None] * places)
+        return positions, rotations
 
 
-_bodies: WeakKeyDictionary[Surface, Body] = WeakKeyDictionary()
+_graphs: WeakKeyDictionary[Surface, DeformationGraph] = WeakKeyDictionary()
 
 
-def _body(source: Surface) -> Body:
+def deformation_graph(source: Surface) -> DeformationGraph:
     """The source's proxy, which is bent along several explanations."""
-    found = _bodies.get(source)
+    found = _graphs.get(source)
     if found is None:
-        found = _bodies[source] = Body(source.mesh.vertices[source.proxy] / np.sqrt(source.area), source.proxy_edges)
+        found = _graphs[source] = DeformationGraph(
+            source.mesh.vertices[source.proxy] / np.sqrt(source.area), source.proxy_edges
+        )
     return found
 
 
@@ -94,13 +96,13 @@ def covariances(starts: np.ndarray, ends: np.ndarray, rest: np.ndarray, position
 
 
 @jit
-def turned_sums(starts: np.ndarray, ends: np.ndarray, rest: np.ndarray, turns: np.ndarray) -> np.ndarray:
+def rotated_edge_sums(starts: np.ndarray, ends: np.ndarray, rest: np.ndarray, rotations: np.ndarray) -> np.ndarray:
     """Sums (p, 3) over each point's neighbours of rest vectors, turned by the mean of the turns (p, 3, 3) of both."""
-    found = np.zeros((len(turns), 3))
-    for i in range(len(turns)):
+    found = np.zeros((len(rotations), 3))
+    for i in range(len(rotations)):
         for edge in range(starts[i], starts[i + 1]):
             for axis in range(3):
                 for row in range(3):
-                    turn = turns[i, row, axis] + turns[ends[edge], row, axis]
+                    turn = rotations[i, row, axis] + rotations[ends[edge], row, axis]
                     found[i, axis] += 0.5 * rest[edge, row] * turn
     return found

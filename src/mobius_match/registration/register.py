@@ -13,12 +13,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..geometry.nearest_neighbors import Leaves, together
+from ..geometry.nearest_neighbors import NearestNeighbors, spatial_order
 from ..geometry.normals import vertex_normals
 from ..geometry.spectral import functional_map
-from ..landmarks.constraints import Hints, pinned
+from ..landmarks.constraints import LandmarkConstraints, apply_constraints
 from ..surface.surface import Surface
-from .energy import _body
+from .energy import deformation_graph
 
 TRUST = (0.02, 0.1, 0.3, 1.0)
 """Weight of the places against rigidity, from one round to the next; the first is for the map alone."""
@@ -73,9 +73,9 @@ class Registration:
 
     image: np.ndarray
     positions: np.ndarray
-    misfit: np.ndarray
+    residual: np.ndarray
     rotations: np.ndarray
-    turn: np.ndarray
+    normal_deviation: np.ndarray
 
 
 def register(
@@ -85,10 +85,10 @@ def register(
     *,
     whole: bool = True,
     rounds: int = ROUNDS,
-    freeing: bool = True,
-    trusts: tuple[float, ...] | None = None,
-    seen: tuple[float, float] = ALIKE,
-    hints: Hints | None = None,
+    ignore_discontinuous: bool = True,
+    data_weights: tuple[float, ...] | None = None,
+    feature_weights: tuple[float, float] = ALIKE,
+    constraints: LandmarkConstraints | None = None,
 ) -> Registration:
     """Bend the source onto the target.
 
@@ -111,7 +111,7 @@ def register(
     hints
         Pairs that are known: the source is pinned there.
     """
-    trusts = trusts or TRUST
+    data_weights = data_weights or TRUST
     centre = target.mesh.vertices.mean(axis=0)
     here, there = source.mesh.vertices / np.sqrt(source.area), (target.mesh.vertices - centre) / np.sqrt(target.area)
     normals1, normals2 = vertex_normals(here, source.mesh.faces)[source.proxy], vertex_normals(there, target.mesh.faces)
@@ -119,47 +119,57 @@ def register(
     drawers, shared = (target.proxy, target.eigenfunctions.shape[1]) if whole else (target.proxy[:0], 0)
     spectral1 = source.eigenfunctions[source.proxy].astype(np.float64)[:, :shared]
     spectral2 = target.eigenfunctions[:, :shared]
-    seen1, seen2 = (_seen(one, seen if whole else (0.0, 0.0)) for one in (source, target))
+    appearance1, appearance2 = (_appearance(one, feature_weights if whole else (0.0, 0.0)) for one in (source, target))
     some = _candidates(target)
-    goals = _features(there[some], normals2[some], spectral2[some], seen2[some])
-    among, drawing = Leaves(goals), goals[np.searchsorted(some, drawers)]
-    beside = together(here[source.proxy])
-    body = _body(source)
-    pins = None if hints is None else hints.pins(source, target, there)
-    places, positions, turns = there[image], there[image], np.empty(0)
+    goals = _features(there[some], normals2[some], spectral2[some], appearance2[some])
+    among, drawing = NearestNeighbors(goals), goals[np.searchsorted(some, drawers)]
+    beside = spatial_order(here[source.proxy])
+    graph = deformation_graph(source)
+    point_constraints = None if constraints is None else constraints.point_constraints(source, target, there)
+    places, positions, rotations = there[image], there[image], np.empty(0)
     everything = np.ones(len(image), bool)
-    held = body.held(places) if freeing else everything
-    positions, turns = body.settle(positions, *pinned(pins, places, trusts[0] * held, turns), SETTLING)
-    for trust in trusts[1:]:
+    continuous = graph.continuous(places) if ignore_discontinuous else everything
+    positions, rotations = graph.solve(
+        positions, *apply_constraints(point_constraints, places, data_weights[0] * continuous, rotations), SETTLING
+    )
+    for data_weight in data_weights[1:]:
         for _ in range(rounds):
-            transfer = functional_map(spectral1[held], spectral2[image[held]])
-            turned = np.einsum("ni,nij->nj", normals1, turns)
-            seekers = _features(positions, turned, spectral1 @ transfer, seen1[source.proxy])
+            transfer = functional_map(spectral1[continuous], spectral2[image[continuous]])
+            rotated_normals = np.einsum("ni,nij->nj", normals1, rotations)
+            seekers = _features(positions, rotated_normals, spectral1 @ transfer, appearance1[source.proxy])
             image = some[among.nearest(seekers)]
-            drawn = Leaves(seekers, beside).nearest(drawing)
+            drawn = NearestNeighbors(seekers, beside).nearest(drawing)
             number = 1 + np.bincount(drawn, minlength=len(image))
             drawing_to = [np.bincount(drawn, axis, len(image)) for axis in there[drawers].T]
             places = (np.stack(drawing_to, axis=1) + there[image]) / number[:, None]
-            held = body.held(there[image]) if freeing and trust <= BELIEVED else everything
-            positions, turns = body.settle(positions, *pinned(pins, places, trust * held, turns), STEPS)
-    turned = np.einsum("ni,nij->nj", normals1, turns)
+            continuous = (
+                graph.continuous(there[image]) if ignore_discontinuous and data_weight <= BELIEVED else everything
+            )
+            positions, rotations = graph.solve(
+                positions, *apply_constraints(point_constraints, places, data_weight * continuous, rotations), STEPS
+            )
+    rotated_normals = np.einsum("ni,nij->nj", normals1, rotations)
     return Registration(
         image,
         positions * np.sqrt(target.area) + centre,
         np.linalg.norm(positions - there[image], axis=1),
-        turns,
-        1 - np.einsum("ij,ij->i", turned, normals2[image]),
+        rotations,
+        1 - np.einsum("ij,ij->i", rotated_normals, normals2[image]),
     )
 
 
-def sketched(source: Surface, target: Surface, image: np.ndarray, hints: Hints | None = None) -> Registration:
+def register_coarsely(
+    source: Surface, target: Surface, image: np.ndarray, constraints: LandmarkConstraints | None = None
+) -> Registration:
     """:func:`register` in a fraction of the time: good enough to see which of several images is right."""
-    return register(source, target, image, rounds=1, trusts=TIGHT, seen=SKETCHED, hints=hints)
+    return register(
+        source, target, image, rounds=1, data_weights=TIGHT, feature_weights=SKETCHED, constraints=constraints
+    )
 
 
-def is_torn(source: Surface, target: Surface, image: np.ndarray) -> bool:
+def is_discontinuous(source: Surface, target: Surface, image: np.ndarray) -> bool:
     """Whether a map of the source's proxy to target vertices (P1,) tears pieces off."""
-    return not _body(source).held(target.mesh.vertices[image] / np.sqrt(target.area)).all()
+    return not deformation_graph(source).continuous(target.mesh.vertices[image] / np.sqrt(target.area)).all()
 
 
 def edge_stretches(source: Surface, target: Surface, registration: Registration) -> np.ndarray:
@@ -177,24 +187,24 @@ def stretching(source: Surface, target: Surface, registration: Registration) -> 
 
 def strain(source: Surface, target: Surface, registration: Registration) -> float:
     """How badly the source is bent, to be compared with another way: what it stretches, and how far normals are off."""
-    found = {"stretch": stretching(source, target, registration), "turn": float(registration.turn.mean())}
+    found = {"stretch": stretching(source, target, registration), "turn": float(registration.normal_deviation.mean())}
     return sum(weight * float(np.log(found[kind] + LITTLE[kind])) for kind, weight in STRAIN.items())
 
 
-def _seen(surface: Surface, weights: tuple[float, float]) -> np.ndarray:
+def _appearance(surface: Surface, weights: tuple[float, float]) -> np.ndarray:
     """What tells vertices (n, d) from those beside them, as much as it counts; no column for what does not."""
-    descriptor, relief = weights
+    descriptor, curvature_features = weights
     kinds = [descriptor * surface.descriptors] if descriptor else []
-    kinds += [relief * surface.relief] if relief else []
+    kinds += [curvature_features * surface.curvature_features] if curvature_features else []
     return np.hstack([np.empty((len(surface.mesh.vertices), 0), np.float32), *kinds])
 
 
-def _features(places: np.ndarray, normals: np.ndarray, spectral: np.ndarray, seen: np.ndarray) -> np.ndarray:
+def _features(places: np.ndarray, normals: np.ndarray, spectral: np.ndarray, feature_weights: np.ndarray) -> np.ndarray:
     """What points are compared by, (p, 6 + k + d); single precision halves the time of the search."""
-    return np.hstack([places, NORMAL * normals, SPECTRAL * spectral, seen]).astype(np.float32)
+    return np.hstack([places, NORMAL * normals, SPECTRAL * spectral, feature_weights]).astype(np.float32)
 
 
-def looks(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
+def oriented_points(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
     """Places and weighted normals (n, 6) of the vertices, to tell the two sides of a thin sheet apart."""
     return np.hstack([vertices, NORMAL * vertex_normals(vertices, faces)])
 

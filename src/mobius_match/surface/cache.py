@@ -73,7 +73,7 @@ def cache_limit() -> int:
     return int(given) * 1_000_000
 
 
-def find(mesh: str | os.PathLike[str], settings: PrepareSettings) -> Surface | None:
+def load_cached(mesh: str | os.PathLike[str], settings: PrepareSettings) -> Surface | None:
     """The surface of a mesh file, if one is kept that was made from the same bytes and settings."""
     cache_limit()  # better now than after the work
     mesh = Path(mesh)
@@ -98,7 +98,7 @@ def find(mesh: str | os.PathLike[str], settings: PrepareSettings) -> Surface | N
     return replace(surface, mesh=replace(surface.mesh, path=mesh, name=mesh.name))
 
 
-def keep(mesh: str | os.PathLike[str], surface: Surface) -> None:
+def store(mesh: str | os.PathLike[str], surface: Surface) -> None:
     """Keep the surface of a mesh file; if that is not possible nothing happens."""
     mesh = Path(mesh)
     if mesh.suffix.lower() in SEVERAL_FILES:
@@ -112,7 +112,7 @@ def keep(mesh: str | os.PathLike[str], surface: Surface) -> None:
         log.info("%s: not kept in the cache (%s)", mesh.name, error)
 
 
-def kept(folder: Path) -> Iterator[tuple[Path, os.stat_result]]:
+def cached_files(folder: Path) -> Iterator[tuple[Path, os.stat_result]]:
     """The files of the cache in a folder, and their sizes and times."""
     with contextlib.suppress(FileNotFoundError, NotADirectoryError), os.scandir(folder) as entries:
         for entry in entries:
@@ -123,13 +123,13 @@ def kept(folder: Path) -> Iterator[tuple[Path, os.stat_result]]:
 
 def clear_cache() -> None:
     """Delete the files of the cache, and no other."""
-    for path, _ in kept(cache_folder()):
+    for path, _ in cached_files(cache_folder()):
         path.unlink(missing_ok=True)
 
 
 def _make_room(folder: Path, limit: int) -> None:
     """Delete the files that were not used for longest until the others are within the limit."""
-    files = sorted(kept(folder), key=lambda file: file[1].st_mtime_ns, reverse=True)
+    files = sorted(cached_files(folder), key=lambda file: file[1].st_mtime_ns, reverse=True)
     total = 0
     for path, stat in files:
         too_large = stat.st_size > limit

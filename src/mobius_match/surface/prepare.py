@@ -20,7 +20,7 @@ from ..mesh.files import as_mesh
 from ..mesh.repair import repair
 from ..mesh.report import require_matchable
 from ..settings import PrepareSettings
-from .cache import find, keep
+from .cache import load_cached, store
 from .flattening import choose_cut_face, flatten, vertex_positions
 from .sampling import proxy_points, sample_points
 from .simplified import simplified
@@ -58,31 +58,31 @@ def prepare(
         If a setting is out of range.
     """
     settings = settings or PrepareSettings(**overrides)
-    return finished(thing, opened(thing, settings, cache), settings, cache, progress)
+    return complete_preparation(thing, begin_preparation(thing, settings, cache), settings, cache, progress)
 
 
-def opened(thing: Any, settings: PrepareSettings, cache: bool) -> Surface | Mesh:
+def begin_preparation(thing: Any, settings: PrepareSettings, cache: bool) -> Surface | Mesh:
     """The first half of :func:`prepare`: a surface that is there already, or else the mesh that is to be prepared."""
     if isinstance(thing, Surface):
         return thing
     if isinstance(thing, str | os.PathLike):
         if os.fspath(thing).lower().endswith(ENDING):
             return Surface.load(thing)
-        kept = find(thing, settings) if cache else None
+        kept = load_cached(thing, settings) if cache else None
         if kept is not None:
             return kept
-    return matchable(thing)
+    return matchable_mesh(thing)
 
 
-def finished(
+def complete_preparation(
     thing: Any, found: Surface | Mesh, settings: PrepareSettings, cache: bool, progress: Progress | None
 ) -> Surface:
-    """The second half of :func:`prepare`: the surface of what :func:`opened` found."""
+    """The second half of :func:`prepare`: the surface of what :func:`begin_preparation` found."""
     if isinstance(found, Surface):
         return found
     surface = prepare_mesh(found, settings, progress)
     if cache and isinstance(thing, str | os.PathLike):
-        keep(thing, surface)
+        store(thing, surface)
     return surface
 
 
@@ -100,7 +100,7 @@ LARGEST_CLOSURE = 1e-6
 """Closure of the conjugate function above which a flattening is not to be trusted."""
 
 
-def matchable(thing: Any) -> Mesh:
+def matchable_mesh(thing: Any) -> Mesh:
     """The repaired mesh of a path, of arrays, or of an object with both, if it can be matched at all.
 
     Raises
@@ -114,7 +114,7 @@ def matchable(thing: Any) -> Mesh:
 
 
 def prepare_mesh(mesh: Mesh, settings: PrepareSettings, progress: Progress | None = None) -> Surface:
-    """:func:`prepare` for a mesh that :func:`matchable` gave."""
+    """:func:`prepare` for a mesh that :func:`matchable_mesh` gave."""
     # One BLAS thread: these are many small calls, and sums must not depend on the number of processors.
     with threadpool_limits(limits=1, user_api="blas"):
         return _prepare(mesh, settings, progress or (lambda stage, done, total: None))

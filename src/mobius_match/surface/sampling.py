@@ -100,12 +100,12 @@ def proxy_points(areas: np.ndarray, count: int, samples: np.ndarray) -> np.ndarr
     others = np.setdiff1d(np.arange(len(areas)), samples)
     wanted = max(count - len(samples), 0)
     if len(others) > wanted:
-        chances = areas[others] / areas[others].sum()
-        others = np.random.default_rng(0).choice(others, wanted, replace=False, p=chances)
+        match_probabilities = areas[others] / areas[others].sum()
+        others = np.random.default_rng(0).choice(others, wanted, replace=False, p=match_probabilities)
     return np.sort(np.concatenate([samples, others])).astype(np.int64)
 
 
-def spaced(ways: np.ndarray, spacing: float, always: np.ndarray, order: np.ndarray) -> np.ndarray:
+def thin_out(ways: np.ndarray, spacing: float, always: np.ndarray, order: np.ndarray) -> np.ndarray:
     """Those of points (k,), in their order, that are no closer than the spacing to any before them.
 
     Some of them, (k,) bool, are kept always, and the others keep away from these. The ways (q, q) between all points

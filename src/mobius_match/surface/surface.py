@@ -142,20 +142,20 @@ class Surface:
         return np.asarray(found / np.sqrt(found.shape[1]), np.float32)
 
     @cached_property
-    def relief(self) -> np.ndarray:
+    def curvature_features(self) -> np.ndarray:
         """Gauss and mean curvature (n, 2) float32 of all vertices, for comparison: from the median, about 1 in size."""
         median, spread = (f(self.curvatures[:2, self.proxy], axis=1) for f in (np.median, np.std))
         return np.arcsinh(RELIEF * (self.curvatures[:2].T - median) / np.maximum(spread, FLAT))
 
     @cached_property
-    def proxy_ways(self) -> np.ndarray:
+    def proxy_geodesics(self) -> np.ndarray:
         """Lengths (P, P) per sqrt(area) of the shortest ways along the proxy's edges; infinite beyond 0.2."""
         graph = graph_of(self.mesh.vertices[self.proxy], self.proxy_edges)
         graph.data /= np.sqrt(self.area)
         return np.asarray(dijkstra(graph, directed=False, limit=NEARBY))
 
     @cached_property
-    def homes(self) -> np.ndarray:
+    def nearest_proxy(self) -> np.ndarray:
         """(n,) int64: place in ``proxy`` of the vertex that is nearest to each vertex of the mesh, along edges."""
         return nearest_centres(self.mesh.vertices / np.sqrt(self.area), self.mesh.faces, self.proxy)
 

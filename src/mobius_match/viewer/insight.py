@@ -9,7 +9,7 @@ from scipy.spatial import cKDTree
 
 from ..exporting.figures import numbered
 from ..voting.assignment import max_row_column, normalized
-from ..voting.kernel import explained_pairs
+from ..voting.kernel import mutual_pairs
 from ..voting.mobius import CANONICAL_TRIANGLE, apply, from_three_points, homogeneous
 from . import packing
 
@@ -48,15 +48,15 @@ def insight(source: Surface, target: Surface, votes: Votes, pairs: np.ndarray) -
     numbers = [surface.mesh.vertex_ids[surface.samples] for surface in (source, target)]
     positions = [surface.positions for surface in (source, target)]
     share = normalized(votes.matrix)
-    if len(votes.best1):
-        explained = explained_pairs(*map(homogeneous, positions), votes.best1, votes.best2)
+    if len(votes.best_source):
+        explained = mutual_pairs(*map(homogeneous, positions), votes.best_source, votes.best_target)
         best = _agreeing(explained, target, numbers[0], pairs)
-        triplets = [votes.best1[best], votes.best2[best]]
+        triplets = [votes.best_source[best], votes.best_target[best]]
     else:  # uniform triplets are not kept: the three strongest entries of C
         triplets = [side.copy() for side in max_row_column(votes.matrix)[0][:3].T]
         if len(triplets[0]) < 3:
             return None
-        explained, best = explained_pairs(*map(homogeneous, positions), *(side[None] for side in triplets)), 0
+        explained, best = mutual_pairs(*map(homogeneous, positions), *(side[None] for side in triplets)), 0
     if any(len(np.unique(plane[triplet])) < 3 for plane, triplet in zip(positions, triplets, strict=True)):
         return None
     planes = [

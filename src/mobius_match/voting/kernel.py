@@ -219,7 +219,7 @@ def vote_weighted(
     least_pairs: int,
     spherical: bool,
     votes: np.ndarray,
-    totals: np.ndarray,
+    triplet_weights: np.ndarray,
 ) -> int:
     """Algorithm 2 with weighed pairs in place of the energy of section 7.
 
@@ -248,7 +248,7 @@ def vote_weighted(
     rows, columns, _ = space.pairs
     weight = np.empty(n2)
     n_voting = 0
-    totals[:] = 0.0
+    triplet_weights[:] = 0.0
     for i in range(len(triplets1)):
         n = candidates(samples1, n1, samples2, n2, triplets1, triplets2, i, least_pairs, spherical, space)
         if n >= least_pairs:
@@ -261,7 +261,7 @@ def vote_weighted(
             for pair in range(n):
                 weight[pair] = similarity[rows[pair], columns[pair]] * math.exp(-(weight[pair] ** 2))
                 total += weight[pair]
-            totals[i] = total
+            triplet_weights[i] = total
             worth = (total / n1) ** power
             for pair in range(n):
                 votes[rows[pair], columns[pair]] += weight[pair] * worth
@@ -270,9 +270,7 @@ def vote_weighted(
 
 
 @jit
-def explained_pairs(
-    points1: np.ndarray, points2: np.ndarray, triplets1: np.ndarray, triplets2: np.ndarray
-) -> np.ndarray:
+def mutual_pairs(points1: np.ndarray, points2: np.ndarray, triplets1: np.ndarray, triplets2: np.ndarray) -> np.ndarray:
     """Which sample of the target each triplet pairs each source sample with, (I, N1) int32, -1 for none.
 
     Parameters are those of :func:`vote`; the nearest in the plane are meant.

@@ -76,24 +76,25 @@ class Votes:
     matrix: np.ndarray
     n_triplets: int
     n_voting: int
-    best1: np.ndarray
-    best2: np.ndarray
-    totals: np.ndarray
+    best_source: np.ndarray
+    best_target: np.ndarray
+    triplet_weights: np.ndarray
     warnings: tuple[str, ...] = ()
 
     def __add__(self, other: Votes) -> Votes:
         """Both together; of equally good triplets those of the first come first."""
-        best1, best2, totals = (
-            np.concatenate([getattr(self, name), getattr(other, name)]) for name in ("best1", "best2", "totals")
+        best_source, best_target, triplet_weights = (
+            np.concatenate([getattr(self, name), getattr(other, name)])
+            for name in ("best_source", "best_target", "triplet_weights")
         )
-        order = np.argsort(-totals, kind="stable")[:KEPT]
+        order = np.argsort(-triplet_weights, kind="stable")[:KEPT]
         return Votes(
             self.matrix + other.matrix,
             self.n_triplets + other.n_triplets,
             self.n_voting + other.n_voting,
-            best1[order],
-            best2[order],
-            totals[order],
+            best_source[order],
+            best_target[order],
+            triplet_weights[order],
             self.warnings + other.warnings,
         )
 
@@ -190,10 +191,10 @@ def _guided(
 
     def batch(stream: np.random.SeedSequence, size: int) -> Votes:
         triplets1, triplets2 = draw(np.random.default_rng(stream), size)
-        matrix, totals = np.zeros(similarity.shape), np.empty(len(triplets1))
-        n_voting = weigh(triplets1, triplets2, votes=matrix, totals=totals)
-        best = np.argsort(-totals, kind="stable")[:KEPT]
-        return Votes(matrix, len(triplets1), n_voting, triplets1[best], triplets2[best], totals[best])
+        matrix, triplet_weights = np.zeros(similarity.shape), np.empty(len(triplets1))
+        n_voting = weigh(triplets1, triplets2, votes=matrix, triplet_weights=triplet_weights)
+        best = np.argsort(-triplet_weights, kind="stable")[:KEPT]
+        return Votes(matrix, len(triplets1), n_voting, triplets1[best], triplets2[best], triplet_weights[best])
 
     return batch, warnings
 
@@ -214,13 +215,13 @@ def _weighing(source: Surface, target: Surface, similarity: np.ndarray, settings
     )
 
 
-def totals_of(source: Surface, target: Surface, triplets1: np.ndarray, triplets2: np.ndarray) -> np.ndarray:
+def triplet_weights_of(source: Surface, target: Surface, triplets1: np.ndarray, triplets2: np.ndarray) -> np.ndarray:
     """The sums of the weights (I,) of triplets (I, 3) under the default settings, as in :class:`Votes`."""
     similarity = signature_similarity(source.signatures, target.signatures)
-    totals = np.empty(len(triplets1))
+    triplet_weights = np.empty(len(triplets1))
     weigh = _weighing(source, target, similarity, MatchSettings())
-    weigh(triplets1, triplets2, votes=np.zeros(similarity.shape), totals=totals)
-    return totals
+    weigh(triplets1, triplets2, votes=np.zeros(similarity.shape), triplet_weights=triplet_weights)
+    return triplet_weights
 
 
 def _proposals(

@@ -9,14 +9,14 @@ import numpy as np
 import pytest
 
 import mobius_match as mm
+from mobius_match.evaluation import examples
 from mobius_match.geometry.directions import directions
 from mobius_match.geometry.geodesics import geodesic_solver
 from mobius_match.geometry.normals import vertex_normals
-from mobius_match.matching.partial.agreement import BATCH, Paths, agreement, as_far
-from mobius_match.matching.partial.locate import Pair, Place
-from mobius_match.matching.partial.part import is_part, part_places
-from mobius_match.matching.partial.place import MARGIN, TORN, chances, support
-from mobius_match.mesh import examples
+from mobius_match.matching.partial.agreement import BATCH, Paths, agreement, match_by_distances
+from mobius_match.matching.partial.locate import PartPair, Placement
+from mobius_match.matching.partial.part import is_part, match_part
+from mobius_match.matching.partial.place import MARGIN, TORN, match_probabilities, support
 from mobius_match.mesh.topology import components
 from tests.shapes import bent, grid, icosphere, lump, rotation
 
@@ -107,9 +107,9 @@ def test_half_of_another_size(wholes, factor):
     whole, other = wholes["quadruped"]
     vertices, faces, kept = cut(whole.mesh.vertices, whole.mesh.faces, None, -1.0)
     part = mm.prepare((factor * vertices, faces))
-    places, notes = part_places(part, other, 0)
+    places, notes = match_part(part, other, 0)
     assert float(re.search(r"at (\S+) times its size", notes[0])[1]) == pytest.approx(1 / factor, rel=0.06)
-    sure = places.chances >= 0.5
+    sure = places.match_probabilities >= 0.5
     assert sure.sum() >= 50
     true = true_places("quadruped", False, other)[kept[part.samples[sure]]]
     assert right(other, places.points.nearest[sure], true) >= 0.9
@@ -123,11 +123,11 @@ def test_turns_of_maps(wholes):
     mirrored = replace(whole, mesh=replace(whole.mesh, vertices=turned, faces=whole.mesh.faces[:, ::-1]))
     same = np.arange(len(whole.proxy))
     for other, (right_way, mirror_way) in ((whole, (0, 1)), (mirrored, (1, 0))):
-        found = Pair(whole, other).turned(same)
+        found = PartPair(whole, other).turned(same)
         assert np.median(found[right_way]) == pytest.approx(1, abs=1e-5)
         assert found[right_way].mean() > 0.99  # a point on a thin edge may have no direction
         assert found[mirror_way].mean() < 0.8
-    for at_random in Pair(whole, whole).turned(np.random.default_rng(0).permutation(same)):
+    for at_random in PartPair(whole, whole).turned(np.random.default_rng(0).permutation(same)):
         assert at_random.mean() < 0.6
 
 
@@ -177,7 +177,7 @@ def test_halves_that_lack_each_other(wholes):
 def test_rivals_share_the_chances():
     """Where they agree, it matters little which is right."""
     apart = [np.array([0.0, 0.2, 0.2]), np.array([0.0, 0.0, 0.3])]
-    place = Place(SimpleNamespace(image=np.arange(3)), 1.0, list(zip((0.0, 0.0), apart, strict=True)))
+    place = Placement(SimpleNamespace(image=np.arange(3)), 1.0, list(zip((0.0, 0.0), apart, strict=True)))
     np.testing.assert_allclose(support(place), [1, 1 / 2, 1 / 3])
     assert place.margin == 0
     clear = replace(place, rivals=[(1.0, apart[0])])
@@ -187,15 +187,15 @@ def test_rivals_share_the_chances():
 
 def test_what_is_torn_off_or_next_to_the_cut_has_no_chance(monkeypatch):
     """However well the rest speaks for it."""
-    good = {"distances": 0.0, "misfit": 0.0, "cut": 0.5, "badness": 0.5, "curvature": 0.0, "stretch": 0.0}
+    good = {"distances": 0.0, "residual": 0.0, "cut": 0.5, "cost": 0.5, "curvature": 0.0, "stretch": 0.0}
     found = {kind: np.full(4, value) for kind, value in good.items()}
     found["distances"][1:3] = 0.9 * TORN, 1.1 * TORN
     found["cut"][3] = 0.9 * MARGIN
-    monkeypatch.setattr("mobius_match.matching.partial.place.evidence", lambda *_: found)
+    monkeypatch.setattr("mobius_match.matching.partial.place.cost_terms", lambda *_: found)
     closed = SimpleNamespace(whole=mm.prepare(icosphere(2)))
-    place = Place(SimpleNamespace(image=np.arange(4)), 1.0, [])
-    assert (chances(closed, place) > 0.5).tolist() == [True, True, False, False]
-    assert chances(closed, place)[2:].tolist() == [0, 0]
+    place = Placement(SimpleNamespace(image=np.arange(4)), 1.0, [])
+    assert (match_probabilities(closed, place) > 0.5).tolist() == [True, True, False, False]
+    assert match_probabilities(closed, place)[2:].tolist() == [0, 0]
 
 
 def vase(turns, height=36):
@@ -221,7 +221,7 @@ def test_a_close_choice_is_told(monkeypatch):
     """Half a vase, cut along its axis, fits it all around, but for its triangles."""
     monkeypatch.setattr("mobius_match.matching.partial.part.DOUBTFUL", 0.3)
     half = cut(*vase(37), 0, 1.0)
-    _, notes = part_places(mm.prepare(half[:2]), mm.prepare(vase(40)), 0)
+    _, notes = match_part(mm.prepare(half[:2]), mm.prepare(vase(40)), 0)
     assert any("nearly as good" in note for note in notes)
 
 
@@ -229,7 +229,7 @@ def test_a_close_choice_is_told(monkeypatch):
 def test_whole_surfaces_are_no_parts(name, wholes):
     first, second = wholes[name]
     assert not is_part(first, second) and not is_part(second, first)
-    assert part_places(first, second, 0) == (None, [])
+    assert match_part(first, second, 0) == (None, [])
 
 
 def test_a_part_of_nothing_there():
@@ -237,9 +237,9 @@ def test_a_part_of_nothing_there():
     whole = mm.prepare(lump())
     sheet, squares = bent(grid(16, 13))
     part = mm.prepare((sheet * np.sqrt(whole.area / 9 / 260), squares))
-    places, notes = part_places(part, whole, 0)
+    places, notes = match_part(part, whole, 0)
     assert "fits nowhere well" in notes[0]
-    assert (places.chances < 0.5).all()
+    assert (places.match_probabilities < 0.5).all()
     with pytest.raises(mm.NothingFoundError, match="no match is likely enough"):
         mm.match(part, whole)
 
@@ -276,7 +276,7 @@ def test_as_far_is_the_formula():
     here, there = first.x + 1j * first.y, second.x + 1j * second.y
     same_way = np.abs((weight * here[:, :, None] * there[:, None].conj()).sum(axis=0))
     total = (2 * (weight * apart).sum(axis=0) - 0.5 * same_way) / weight.sum(axis=0) + costs
-    np.testing.assert_array_equal(as_far(first, second, costs, 0.4, 0.1, 2.0, 0.5), total.argmin(axis=1))
+    np.testing.assert_array_equal(match_by_distances(first, second, costs, 0.4, 0.1, 2.0, 0.5), total.argmin(axis=1))
 
 
 def test_a_copy_in_other_units_is_the_whole():

@@ -60,10 +60,10 @@ def test_votes_count_triplets_and_leave_out_the_identity():
     assert 900 <= votes.n_voting <= votes.n_triplets <= 999
     np.testing.assert_array_equal(np.diag(votes.matrix), 0.0)
     assert votes.matrix.max() > 0
-    assert (np.diff(votes.totals) <= 0).all()
+    assert (np.diff(votes.triplet_weights) <= 0).all()
     again = cast_swap_votes(surface, MatchSettings(votes=999, samples=40, seed=2, jobs=1))
     np.testing.assert_array_equal(votes.matrix, again.matrix)
-    np.testing.assert_array_equal(votes.best1, again.best1)
+    np.testing.assert_array_equal(votes.best_source, again.best_source)
     other = cast_swap_votes(surface, MatchSettings(votes=999, samples=40, seed=3))
     assert (votes.matrix != other.matrix).any()
 

@@ -7,10 +7,10 @@ import pytest
 from scipy.spatial import cKDTree
 
 import mobius_match as mm
-from mobius_match.explanations.explanation import Explanation
+from mobius_match.alignments.alignment import Alignment
+from mobius_match.evaluation import examples
 from mobius_match.geometry.geodesics import geodesic_solver
 from mobius_match.matching.symmetry.symmetry import mirror_images
-from mobius_match.mesh import examples
 from tests.shapes import icosphere, lump, renumbered, rotation
 
 
@@ -119,7 +119,7 @@ def test_the_nearest_involution_is_taken():
     image = surface.proxy.copy()
     image[::10] = surface.proxy[0]
     vertices = np.arange(0, len(surface.mesh.vertices), 7)
-    found = mirror_images(surface, Explanation(image, {}, 0.0, 1.0), vertices)
+    found = mirror_images(surface, Alignment(image, {}, 0.0, 1.0), vertices)
     assert np.mean(found == vertices) > 0.95
 
 

@@ -141,7 +141,7 @@ def differences(first: Paths, second: Paths, costs: np.ndarray, turning: float) 
 
 
 @jit
-def as_far(
+def match_by_distances(
     first: Paths, second: Paths, costs: np.ndarray, cap: float, soft: float, weight: float, turning: float
 ) -> np.ndarray:
     """Each point of the source to the one of the target that is as far from the landmarks and looks alike.

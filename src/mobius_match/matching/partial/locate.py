@@ -9,15 +9,15 @@ from functools import cached_property
 
 import numpy as np
 
-from ...explanations.groups import group_triplets
+from ...alignments.groups import cluster_triplets
 from ...geometry.curvature import curvatures, rank_correlation
 from ...geometry.directions import directions
 from ...geometry.normals import vertex_normals
-from ...landmarks.constraints import Hints
+from ...landmarks.constraints import LandmarkConstraints
 from ...registration.register import ROUNDS, TIGHT, Registration, register, stretching
 from ...surface.surface import Surface
 from ...voting.proposals import guided_triplets
-from .agreement import Paths, agreement, as_far, differences
+from .agreement import Paths, agreement, differences, match_by_distances
 
 RADII = (0.03, 0.06, 0.1)
 """Widths that curvatures are smoothed to; like all lengths here, per sqrt(area) of the whole."""
@@ -50,7 +50,7 @@ CONTESTED = 1.2
 
 LANDMARKS, CAP, SOFT = 80, 0.15, 0.1
 """How many; what a distance to one that is wrong counts at most: it may lead through what is missing; see
-:func:`as_far`."""
+:func:`match_by_distances`."""
 
 AS_FAR, SAME_WAY = 3.0, 0.3
 """What distances and directions count where a map follows from landmarks."""
@@ -58,7 +58,7 @@ AS_FAR, SAME_WAY = 3.0, 0.3
 WEIGHTS = {
     "distances": 1.0,
     "turned": 2.0,
-    "misfit": 20.0,
+    "residual": 20.0,
     "turn": 2.0,
     "stretch": 3.0,
     "gauss curvature": 0.5,
@@ -68,7 +68,7 @@ WEIGHTS = {
 
 
 @dataclass(frozen=True, eq=False)
-class Place:
+class Placement:
     """Where a part lies on a whole.
 
     Parameters
@@ -83,7 +83,7 @@ class Place:
     """
 
     registration: Registration
-    badness: float
+    cost: float
     rivals: list[tuple[float, np.ndarray]]
 
     @property
@@ -92,15 +92,15 @@ class Place:
         return min((worse for worse, _ in self.rivals), default=np.inf)
 
 
-class Pair:
+class PartPair:
     """A part and the whole in common units, with what is measured on both.
 
     The area of the part is that of its whole, in the part's own units: all lengths are per sqrt(area).
     In all that follows a landmark is a sample of the part together with the sample of the whole next to its image.
     """
 
-    def __init__(self, part: Surface, whole: Surface, hints: Hints | None = None) -> None:
-        self.part, self.whole, self.hints = replace(part, area=whole.area), whole, hints
+    def __init__(self, part: Surface, whole: Surface, constraints: LandmarkConstraints | None = None) -> None:
+        self.part, self.whole, self.constraints = replace(part, area=whole.area), whole, constraints
         self.paths1, self.paths2 = _paths(self.part), _paths(whole)
         self.samples1, self.samples2 = (np.searchsorted(surface.proxy, surface.samples) for surface in (part, whole))
         self.curvatures2 = _curvatures(whole)
@@ -108,7 +108,7 @@ class Pair:
         self.curvatures2 /= self._spread
         self.curvatures1 = _curvatures(self.part)[part.proxy] / self._spread
 
-    def resized(self, size: float) -> Pair:
+    def scaled(self, size: float) -> PartPair:
         """With the part at that multiple of the size that its file says."""
         pair = copy(self)
         pair.__dict__.pop("costs", None)
@@ -117,21 +117,21 @@ class Pair:
         pair.curvatures1 = _curvatures(pair.part)[pair.part.proxy] / self._spread
         return pair
 
-    def unlike(self, mine: np.ndarray, theirs: np.ndarray) -> np.ndarray:
+    def appearance_cost(self, mine: np.ndarray, theirs: np.ndarray) -> np.ndarray:
         """What it costs (q1, q2) float32 that points of the two proxies look different."""
         each = zip(self.curvatures1[mine].T, self.curvatures2[self.whole.proxy[theirs]].T, strict=True)
         apart = sum(np.abs(one[:, None] - two) for one, two in each) / self.curvatures1.shape[1]
         costs = (APPEARANCE * np.minimum(apart, 3.0)).astype(np.float32)
-        if self.hints is not None:
+        if self.constraints is not None:
             here, there = self.part.proxy[mine], self.whole.proxy[theirs]
-            astray = self.hints.disagreement(self.part, self.whole, here, there)
+            astray = self.constraints.disagreement(self.part, self.whole, here, there)
             costs += np.minimum(astray, CAP).astype(np.float32)
         return costs
 
     @cached_property
     def costs(self) -> np.ndarray:
-        """:meth:`unlike` for all points."""
-        return self.unlike(*(np.arange(len(surface.proxy)) for surface in (self.part, self.whole)))
+        """:meth:`appearance_cost` for all points."""
+        return self.appearance_cost(*(np.arange(len(surface.proxy)) for surface in (self.part, self.whole)))
 
     def fit(self, generator: np.random.Generator, pool: ThreadPoolExecutor) -> float:
         """How well the part fits anywhere on the whole, at its size: 0 to 1."""
@@ -139,7 +139,7 @@ class Pair:
         *_, totals = self._best(*self._triplets(generator, count), count, points, pool)
         return float(totals[:TOP].mean()) if len(totals) >= TOP else 0.0
 
-    def located(self, generator: np.random.Generator, pool: ThreadPoolExecutor) -> Place | None:
+    def locate(self, generator: np.random.Generator, pool: ThreadPoolExecutor) -> Placement | None:
         """Where the part lies on the whole, or would if it were a part of it; None if there is no place at all."""
         starts = self.starts(generator, pool)
         if not starts:
@@ -147,15 +147,15 @@ class Pair:
         sketches = list(pool.map(lambda image: self.bent(image, rounds=1), starts))
         found = list(pool.map(self.refined, [one for _, one in self._rivals(sketches)[:REFINED]]))
         rivals = self._rivals(found)
-        contested = [one for badness, one in rivals if badness <= CONTESTED * rivals[0][0]]
-        if len(contested) > 1:  # what began farther off has farther to go
-            rivals = self._rivals(found + list(pool.map(self.refined, contested)))
+        rerank_by_registration = [one for cost, one in rivals if cost <= CONTESTED * rivals[0][0]]
+        if len(rerank_by_registration) > 1:  # what began farther off has farther to go
+            rivals = self._rivals(found + list(pool.map(self.refined, rerank_by_registration)))
         (least, best), *others = rivals
-        return Place(best, least, [(badness - least, self._apart(best, one)) for badness, one in others])
+        return Placement(best, least, [(cost - least, self._apart(best, one)) for cost, one in others])
 
     def _rivals(self, found: list[Registration]) -> list[tuple[float, Registration]]:
         """The badness of each, and it, best first, without those that lie close to a better one or are much worse."""
-        judged, kept = [self.badness(one) for one in found], list[tuple[float, Registration]]()
+        judged, kept = [self.cost(one) for one in found], list[tuple[float, Registration]]()
         for i in np.argsort(judged, kind="stable"):
             close = any(self._apart(found[i], other).mean() < APART for _, other in kept)
             if judged[i] <= CLOSE * min(judged) and not close:
@@ -174,7 +174,7 @@ class Pair:
         return found
 
     def _triplets(self, generator: np.random.Generator, count: int) -> tuple[np.ndarray, np.ndarray]:
-        costs = self.unlike(self.samples1, self.samples2)
+        costs = self.appearance_cost(self.samples1, self.samples2)
         settings = costs <= np.quantile(costs, ALIKE), SPREAD, TOLERANCE
         lengths = self.part.normalized_distances, self.whole.normalized_distances
         if not len(guided_triplets(generator, 50, *lengths, *settings)[0]):  # rather than to try so often in vain
@@ -190,7 +190,7 @@ class Pair:
             for surface, few in zip((self.part, self.whole), points, strict=True)
         )
         paths = self.paths1.to(mine), self.paths2.to(theirs)
-        totals = agreement(*paths, self.unlike(mine, theirs), first, second, TURNING, SCALE, pool)
+        totals = agreement(*paths, self.appearance_cost(mine, theirs), first, second, TURNING, SCALE, pool)
         best = np.argsort(-totals, kind="stable")[:count]
         return first[best], second[best], totals[best]
 
@@ -208,24 +208,24 @@ class Pair:
             return differences(paths[0].of(ends[0]), paths[1].of(ends[1]), costs, TURNING).argmin(axis=1)
 
         pairs = np.stack(list(pool.map(matched, zip(first, second, strict=True))))
-        groups = group_triplets(pairs, self.whole.normalized_distances, totals, RADIUS, GROUPS)
+        groups = cluster_triplets(pairs, self.whole.normalized_distances, totals, RADIUS, GROUPS)
         good = [
             self._agreed(pairs[group], totals[group]) for group in groups if totals[group[0]] >= PROMISING * totals[0]
         ]
-        worth = list(pool.map(lambda marks: thin.unlikeness(thin.image_by_landmarks(*marks)), good))
+        worth = list(pool.map(lambda marks: thin.map_cost(thin.image_by_landmarks(*marks)), good))
         best = [good[i] for i in np.argsort(worth, kind="stable")[:SKETCHED]]
         return list(pool.map(lambda marks: self.image_by_landmarks(*marks), best))
 
     @property
-    def _of_samples(self) -> Pair:
+    def _of_samples(self) -> PartPair:
         """As if the part's samples were all of its points: enough to see what is not worth more."""
         pair = copy(self)
         pair.paths1, pair.curvatures1 = self.paths1.to(self.samples1), self.curvatures1[self.samples1]
-        pair.costs = self.unlike(self.samples1, np.arange(len(self.whole.proxy)))
+        pair.costs = self.appearance_cost(self.samples1, np.arange(len(self.whole.proxy)))
         pair.samples1 = np.arange(len(self.samples1))
         return pair
 
-    def unlikeness(self, image: np.ndarray) -> float:
+    def map_cost(self, image: np.ndarray) -> float:
         """How much paths and curvatures differ under a map of the part's proxy to the whole's (P1,)."""
         apart = self.compared(image)[1].mean() + SAME_WAY * (1 - self.turned(image)[0].mean())
         return float(apart + 3 * self.costs[np.arange(len(image)), image].mean())
@@ -240,21 +240,23 @@ class Pair:
 
     def image_by_landmarks(self, mine: np.ndarray, theirs: np.ndarray) -> np.ndarray:
         """Each vertex of the part's proxy to the one of the whole's that is as far from the landmarks: (P1,) int64."""
-        return as_far(self.paths1.of(mine), self.paths2.of(theirs), self.costs, CAP, SOFT, AS_FAR, SAME_WAY)
+        return match_by_distances(self.paths1.of(mine), self.paths2.of(theirs), self.costs, CAP, SOFT, AS_FAR, SAME_WAY)
 
     def bent(self, image: np.ndarray, rounds: int = ROUNDS) -> Registration:
         """The part bent onto the whole along a map of its proxy (P1,) to the whole's."""
         image = self.whole.proxy[image]
-        return register(self.part, self.whole, image, whole=False, rounds=rounds, trusts=TIGHT, hints=self.hints)
+        return register(
+            self.part, self.whole, image, whole=False, rounds=rounds, data_weights=TIGHT, constraints=self.constraints
+        )
 
     def landmarks(self, found: Registration) -> tuple[np.ndarray, np.ndarray]:
         """The landmarks that a registration places best: samples of the part and of the whole."""
-        image, here = self.whole.homes[found.image], self.samples1
+        image, here = self.whole.nearest_proxy[found.image], self.samples1
         theirs, apart, snapped = self.compared(image)
         weight = 1 / (self.paths1.lengths + SOFT)
         astray = (weight * np.minimum(apart, CAP)).sum(axis=1) / weight.sum(axis=1)
         turned = self.turned(image)[0][here]
-        doubt = astray + snapped + 3 * found.misfit[here] + 0.1 * found.turn[here] + 0.1 * (1 - turned)
+        doubt = astray + snapped + 3 * found.residual[here] + 0.1 * found.normal_deviation[here] + 0.1 * (1 - turned)
         mine = np.argsort(doubt, kind="stable")[:LANDMARKS]
         return mine, theirs[mine]
 
@@ -276,22 +278,22 @@ class Pair:
         ways = (here * there.conj(), here * there)
         return tuple(np.abs(way.sum(axis=0)) / most for way in ways)
 
-    def badness(self, found: Registration) -> float:
+    def cost(self, found: Registration) -> float:
         """The weighted sum of the evidence against a registration."""
-        return sum(WEIGHTS[kind] * value for kind, value in self.evidence(found).items())
+        return sum(WEIGHTS[kind] * value for kind, value in self.cost_terms(found).items())
 
-    def evidence(self, found: Registration) -> dict[str, float]:
+    def cost_terms(self, found: Registration) -> dict[str, float]:
         """What speaks against a registration; 0 is perfect in each kind."""
         gauss, mean = (
             1 - rank_correlation(of_part, of_whole)
             for of_part, of_whole in zip(self.curvatures1.T[2:4], self.curvatures2[found.image].T[2:4], strict=True)
         )
-        image = self.whole.homes[found.image]
+        image = self.whole.nearest_proxy[found.image]
         return {
             "distances": float(self.compared(image)[1].mean()),
             "turned": float(1 - self.turned(image)[0].mean()),
-            "misfit": float(found.misfit.mean()),
-            "turn": float(found.turn.mean()),
+            "residual": float(found.residual.mean()),
+            "turn": float(found.normal_deviation.mean()),
             "stretch": stretching(self.part, self.whole, found),
             "gauss curvature": gauss,
             "mean curvature": mean,

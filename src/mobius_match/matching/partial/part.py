@@ -16,11 +16,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...geometry.points import SurfacePoints
-from ...landmarks.constraints import Hints
+from ...landmarks.constraints import LandmarkConstraints
 from ...registration.register import Registration
 from ...surface.surface import Surface
-from .locate import Pair, Place
-from .place import OPEN, openness, places_on_part, places_on_whole
+from .locate import PartPair, Placement
+from .place import OPEN, boundary_length, points_on_part, points_on_whole
 
 LARGEST, SMALLEST = 0.97, 0.1
 """Part of the whole's area that a part may have: above, it is taken for a whole, though it has a boundary."""
@@ -54,7 +54,7 @@ DISTRUST = 0.5
 
 
 @dataclass(frozen=True, eq=False)
-class PartPlaces:
+class PartMatch:
     """Where one surface lies that is a part of the other.
 
     Parameters
@@ -67,16 +67,16 @@ class PartPlaces:
     """
 
     points: SurfacePoints
-    chances: np.ndarray
+    match_probabilities: np.ndarray
     part: Surface
     whole: Surface
     registration: Registration
     part_is_source: bool
 
 
-def part_places(
-    source: Surface, target: Surface, seed: int, jobs: int | None = None, hints: Hints | None = None
-) -> tuple[PartPlaces | None, list[str]]:
+def match_part(
+    source: Surface, target: Surface, seed: int, jobs: int | None = None, constraints: LandmarkConstraints | None = None
+) -> tuple[PartMatch | None, list[str]]:
     """Where the source's samples lie on the target, if one of the two is a part of the other.
 
     Parameters
@@ -100,15 +100,15 @@ def part_places(
     part, whole = (source, target) if is_part(source, target) else (target, source)
     if not is_part(part, whole):
         return None, []
-    if hints is not None and part is target:
-        hints = hints.inverse
+    if constraints is not None and part is target:
+        constraints = constraints.inverse
     with ThreadPoolExecutor(jobs or os.cpu_count() or 1) as pool:
-        pair = Pair(part, whole, hints)
+        pair = PartPair(part, whole, constraints)
         size = likely_size(pair, part.area / whole.area, seed, pool)
-        pair = pair.resized(size)
-        place = pair.located(np.random.default_rng(seed), pool)
+        pair = pair.scaled(size)
+        place = pair.locate(np.random.default_rng(seed), pool)
     share = f"{part.mesh.name} has a long boundary, and {part.area / whole.area:.0%} of the area of {whole.mesh.name}"
-    closed, left = openness(whole) <= OPEN, part.area * size**2 / whole.area
+    closed, left = boundary_length(whole) <= OPEN, part.area * size**2 / whole.area
     sure = place is not None and credible(pair, place)
     if place is None or not (sure or (closed and left <= MOST)):
         return None, [f"{share}, but was not found on it; it was matched as a whole"]
@@ -121,14 +121,14 @@ def part_places(
         )
     if not closed:
         notes.append(f"{whole.mesh.name} has a long boundary, too: what each of the two lacks may be matched wrongly")
-    points, chances = places_on_whole(pair, place) if part is source else places_on_part(pair, place)
-    return PartPlaces(points, chances, pair.part, whole, place.registration, part is source), notes
+    points, match_probabilities = points_on_whole(pair, place) if part is source else points_on_part(pair, place)
+    return PartMatch(points, match_probabilities, pair.part, whole, place.registration, part is source), notes
 
 
-def credible(pair: Pair, place: Place) -> bool:
+def credible(pair: PartPair, place: Placement) -> bool:
     """Whether the part is likely to lie there, or at least nowhere else."""
-    evidence = pair.evidence(place.registration)
-    return place.badness <= WORST and evidence["misfit"] <= LOOSEST and evidence["mean curvature"] <= UNLIKE
+    cost_terms = pair.cost_terms(place.registration)
+    return place.cost <= WORST and cost_terms["residual"] <= LOOSEST and cost_terms["mean curvature"] <= UNLIKE
 
 
 def is_part(surface: Surface, other: Surface) -> bool:
@@ -136,18 +136,18 @@ def is_part(surface: Surface, other: Surface) -> bool:
 
     It has a long boundary, and in the units of the files less area; or these must differ, and the other is closed.
     """
-    share, opening = surface.area / other.area, openness(surface)
+    share, opening = surface.area / other.area, boundary_length(surface)
     if SMALLEST <= share <= LARGEST:
         return opening * np.sqrt(share) > OPEN
-    return not LARGEST < share < 1 / LARGEST and opening > max(OPEN, openness(other) / CLOSED)
+    return not LARGEST < share < 1 / LARGEST and opening > max(OPEN, boundary_length(other) / CLOSED)
 
 
-def lacking(source: Surface, target: Surface, badness: float) -> bool:
+def both_incomplete(source: Surface, target: Surface, cost: float) -> bool:
     """Whether each of two surfaces may lack what the other has, by how badly they agree as wholes."""
-    return badness > STRANGE and min(openness(source), openness(target)) > OPEN
+    return cost > STRANGE and min(boundary_length(source), boundary_length(target)) > OPEN
 
 
-def likely_size(pair: Pair, share: float, seed: int, pool: ThreadPoolExecutor) -> float:
+def likely_size(pair: PartPair, share: float, seed: int, pool: ThreadPoolExecutor) -> float:
     """The size of the part, as a multiple of what its file says, at which it fits best on the whole.
 
     Parameters
@@ -166,7 +166,7 @@ def likely_size(pair: Pair, share: float, seed: int, pool: ThreadPoolExecutor) -
     while True:
         for step, fit in fits.items():
             if fit < 0:
-                worth = pair.resized(STEP**step).fit(np.random.default_rng(seed), pool)
+                worth = pair.scaled(STEP**step).fit(np.random.default_rng(seed), pool)
                 fits[step] = worth * (1 - known * FAITH * abs(step))
         best = max(fits, key=fits.__getitem__)
         beside = [step for step in (best - 1, best + 1) if least <= step <= most]

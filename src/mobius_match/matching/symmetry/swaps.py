@@ -55,7 +55,7 @@ def cast_swap_votes(surface: Surface, settings: MatchSettings, progress: Progres
 
     def batch(stream: np.random.SeedSequence, size: int) -> Votes:
         here, there = swap_triplets(np.random.default_rng(stream), size, geodesics, allowed)
-        matrix, totals = np.zeros(similarity.shape), np.empty(len(here))
+        matrix, triplet_weights = np.zeros(similarity.shape), np.empty(len(here))
         n_voting = vote_weighted(
             points,
             mirrored,
@@ -69,10 +69,10 @@ def cast_swap_votes(surface: Surface, settings: MatchSettings, progress: Progres
             least_pairs=0,
             spherical=False,
             votes=matrix,
-            totals=totals,
+            triplet_weights=triplet_weights,
         )
-        best = np.argsort(-totals, kind="stable")[: min(KEPT, np.count_nonzero(totals))]
-        return Votes(matrix, len(here), n_voting, here[best], there[best], totals[best])
+        best = np.argsort(-triplet_weights, kind="stable")[: min(KEPT, np.count_nonzero(triplet_weights))]
+        return Votes(matrix, len(here), n_voting, here[best], there[best], triplet_weights[best])
 
     total = settings.number_of_votes()
     sizes = [total * (k + 1) // BATCHES - total * k // BATCHES for k in range(BATCHES)]

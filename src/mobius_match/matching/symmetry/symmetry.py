@@ -22,15 +22,15 @@ from threadpoolctl import threadpool_limits
 from ..._core.files import write_atomically
 from ..._core.threads import Progress
 from ..._core.versions import software
+from ...alignments.alignment import Alignment
+from ...alignments.candidates import alignments
 from ...errors import NothingFoundError, SettingsError
-from ...explanations.candidates import explanations
-from ...explanations.explanation import Explanation
 from ...geometry.geodesics import geodesic_solver
-from ...geometry.nearest_neighbors import nearest_rows
+from ...geometry.nearest_neighbors import nearest_neighbors
 from ...geometry.spectral import functional_map, wave_kernel_signature
 from ...mesh.measure import box_scale, unit_box
 from ...settings import PrepareSettings, make_settings
-from ...surface.prepare import finished, opened
+from ...surface.prepare import begin_preparation, complete_preparation
 from ...surface.surface import Surface
 from ...voting.assignment import max_row_column
 from ...voting.votes import Votes
@@ -168,9 +168,9 @@ def symmetry(thing: Any, *, cache: bool = False, progress: Progress | None = Non
             raise SettingsError(f"setting is {name!r}; known settings of a symmetry are {', '.join(sorted(known))}")
     chosen = make_settings(**settings)
     start = time.perf_counter()
-    half = opened(thing, chosen.preparation(), cache)
+    half = begin_preparation(thing, chosen.preparation(), cache)
     timings = {"reading": time.perf_counter() - start}
-    surface = finished(thing, half, chosen.preparation(), cache, progress)
+    surface = complete_preparation(thing, half, chosen.preparation(), cache, progress)
     if half is not surface:
         timings |= surface.timings
     begin = time.perf_counter()
@@ -179,7 +179,7 @@ def symmetry(thing: Any, *, cache: bool = False, progress: Progress | None = Non
     begin = time.perf_counter()
     # One BLAS thread: sums must not depend on the number of processors.
     with threadpool_limits(limits=1, user_api="blas"):
-        found = explanations(surface, replace(surface, positions=surface.positions.conj()), votes, limbs=False)
+        found = alignments(surface, replace(surface, positions=surface.positions.conj()), votes, limbs=False)
         pairs, confidence, stationary, score = _read_off(surface, votes, found)
     timings |= {"reading off": time.perf_counter() - begin, "total": time.perf_counter() - start}
     mesh = surface.mesh
@@ -198,7 +198,7 @@ def symmetry(thing: Any, *, cache: bool = False, progress: Progress | None = Non
 
 
 def _read_off(
-    surface: Surface, votes: Votes, found: list[Explanation]
+    surface: Surface, votes: Votes, found: list[Alignment]
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, float]:
     """Pairs (Q, 2), confidence (Q,), stationary vertices (S,), all in numbers of the repaired mesh, and score."""
     samples, unit = surface.samples, np.sqrt(surface.area)
@@ -232,17 +232,17 @@ def _read_off(
     return pairs[kept], confidence[kept], stationary, _score(surface, images)
 
 
-def mirror_images(surface: Surface, explanation: Explanation, vertices: np.ndarray) -> np.ndarray:
+def mirror_images(surface: Surface, alignment: Alignment, vertices: np.ndarray) -> np.ndarray:
     """Where an explanation, made its own inverse, sends vertices: vertices (q,) int64.
 
     The functional map C of an isometry that is its own inverse is orthogonal and symmetric, with eigenvalues 1 and -1.
     The nearest such matrix to the one of the explanation has the eigenvectors of (C + C^T) / 2 and its signs.
     """
     functions = surface.eigenfunctions.astype(np.float64)
-    transfer = functional_map(functions[surface.proxy], functions[explanation.image])
+    transfer = functional_map(functions[surface.proxy], functions[alignment.image])
     values, vectors = np.linalg.eigh((transfer + transfer.T) / 2)
     involution = (vectors * np.where(values < 0, -1.0, 1.0)) @ vectors.T
-    return nearest_rows(functions[vertices] @ involution, functions)
+    return nearest_neighbors(functions[vertices] @ involution, functions)
 
 
 def _score(surface: Surface, images: np.ndarray) -> float:
@@ -252,9 +252,9 @@ def _score(surface: Surface, images: np.ndarray) -> float:
         for vertices in (surface.samples, images)
     )
     shares = surface.cells / surface.cells.sum()
-    unlike = shares @ _differences(here, there)
+    appearance_cost = shares @ _differences(here, there)
     chance = sum(share * (shares @ _differences(one, here)) for share, one in zip(shares, here, strict=True))
-    return float(np.clip(1 - unlike / chance, 0.0, 1.0)) if chance > 0 else 1.0
+    return float(np.clip(1 - appearance_cost / chance, 0.0, 1.0)) if chance > 0 else 1.0
 
 
 def _differences(first: np.ndarray, second: np.ndarray) -> np.ndarray:

@@ -10,7 +10,7 @@ import numpy as np
 
 from ..geometry.optimal_transport import NEIGHBOUR, Transport
 from ..geometry.spectral import functional_map
-from ..landmarks.constraints import Hints
+from ..landmarks.constraints import LandmarkConstraints
 from ..surface.surface import Surface
 
 FEATURE_SCALE = 0.3
@@ -29,7 +29,9 @@ DESCRIPTORS = 0.4
 """How much the descriptors of points count against their eigenfunctions, by root mean square."""
 
 
-def spread(source: Surface, target: Surface, matches: np.ndarray, hints: Hints | None = None) -> np.ndarray:
+def coarse_map(
+    source: Surface, target: Surface, matches: np.ndarray, constraints: LandmarkConstraints | None = None
+) -> np.ndarray:
     """A map of the whole proxy from matches of samples (q, 2) and hints.
 
     Returns
@@ -37,7 +39,7 @@ def spread(source: Surface, target: Surface, matches: np.ndarray, hints: Hints |
     numpy.ndarray
         (P1, P2) float32: which part of each point of the source's proxy goes where in the target's; rows sum to 1.
     """
-    plan = _begun(source, target, matches, hints, COARSE)
+    plan = _begun(source, target, matches, constraints, COARSE)
     first, second = (surface.eigenfunctions[surface.proxy] for surface in (source, target))
     for count in UPSAMPLING:
         # Each point is sent to the mean of the places that its mass goes to.
@@ -47,27 +49,31 @@ def spread(source: Surface, target: Surface, matches: np.ndarray, hints: Hints |
     return plan
 
 
-def rough_image(source: Surface, target: Surface, matches: np.ndarray, hints: Hints | None = None) -> np.ndarray:
-    """Where :func:`spread` sends every :data:`ROUGH`-th point of the source's proxy, about, in a tenth of the time.
+def quick_image(
+    source: Surface, target: Surface, matches: np.ndarray, constraints: LandmarkConstraints | None = None
+) -> np.ndarray:
+    """Where :func:`coarse_map` sends every :data:`ROUGH`-th point of the source's proxy, about, in a tenth of the time.
 
     Returns
     -------
     numpy.ndarray
         (P1 / ROUGH,) int64: points of the target's proxy.
     """
-    plan, count = _begun(source, target, matches, hints, ROUGH), UPSAMPLING[0]
+    plan, count = _begun(source, target, matches, constraints, ROUGH), UPSAMPLING[0]
     first, second = (surface.eigenfunctions[surface.proxy, :count] for surface in (source, target))
     first = first @ functional_map(first[::ROUGH], plan @ second[::ROUGH])
     return _transport(source, target, first, second, ROUGH).plan.argmax(axis=1) * ROUGH
 
 
-def _begun(source: Surface, target: Surface, matches: np.ndarray, hints: Hints | None, step: int) -> np.ndarray:
+def _begun(
+    source: Surface, target: Surface, matches: np.ndarray, constraints: LandmarkConstraints | None, step: int
+) -> np.ndarray:
     """The plan between every so many-th point of the proxies that distances from matches and hints tell."""
     features = []
     for side, surface in enumerate((source, target)):
         apart = surface.proxy_distances[matches[:, side]]
-        if hints is not None:
-            apart = np.concatenate([apart, hints.distances[side][:, surface.proxy]])
+        if constraints is not None:
+            apart = np.concatenate([apart, constraints.distances[side][:, surface.proxy]])
         features.append(np.exp(-apart.T[::step] / (FEATURE_SCALE * np.sqrt(surface.area))))
     return Transport(features[0], features[1], neighbour=NEIGHBOUR // step).plan
 
@@ -91,7 +97,7 @@ def _described(surface: Surface, vertices: np.ndarray, functions: np.ndarray, of
     return np.hstack([functions, scale * surface.descriptors[vertices]])
 
 
-def finer_targets(source: Surface, target: Surface, image: np.ndarray, vertices: np.ndarray) -> np.ndarray:
+def refined_targets(source: Surface, target: Surface, image: np.ndarray, vertices: np.ndarray) -> np.ndarray:
     """Where a map of the proxy (P1,) to target vertices sends vertices of the source: target vertices (q,) int64."""
     first, second = _brought_together(source, target, image)
     of_proxy, everywhere = second[target.proxy], np.arange(len(second))
@@ -100,12 +106,12 @@ def finer_targets(source: Surface, target: Surface, image: np.ndarray, vertices:
     )
 
 
-def even_targets(source: Surface, target: Surface, image: np.ndarray) -> np.ndarray:
+def balanced_targets(source: Surface, target: Surface, image: np.ndarray) -> np.ndarray:
     """The same for the source's proxy, (P1,), to points of the target's proxy alone, of which nothing is left over."""
-    return np.asarray(target.proxy[plan_along(source, target, image).argmax(axis=1)])
+    return np.asarray(target.proxy[transport_plan(source, target, image).argmax(axis=1)])
 
 
-def plan_along(source: Surface, target: Surface, image: np.ndarray) -> np.ndarray:
+def transport_plan(source: Surface, target: Surface, image: np.ndarray) -> np.ndarray:
     """Which part of each point of the source's proxy goes where in the target's, (P1, P2), by a map (P1,) as above."""
     first, second = _brought_together(source, target, image)
     return _transport(source, target, first[source.proxy], second[target.proxy]).plan

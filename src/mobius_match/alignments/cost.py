@@ -26,7 +26,7 @@ WEIGHTS = {
 """What each kind of evidence counts; "landmarks" is how far known pairs are sent elsewhere, where there are any."""
 
 
-def compare(source: Surface, target: Surface, image: np.ndarray, step: int = 1) -> dict[str, float]:
+def cost_terms(source: Surface, target: Surface, image: np.ndarray, step: int = 1) -> dict[str, float]:
     """Evidence against a map of the proxy, or of every so many-th point of it, to the target's; 0 is perfect."""
     some = source.proxy[::step]
     # A sample and its image are replaced by the nearest points that distances are known from.
@@ -51,11 +51,13 @@ def compare(source: Surface, target: Surface, image: np.ndarray, step: int = 1) 
     }
 
 
-def weighted(evidence: dict[str, float]) -> float:
+def total_cost(cost_terms: dict[str, float]) -> float:
     """The weighted sum of evidence: how bad an explanation is."""
-    return sum(WEIGHTS[kind] * value for kind, value in evidence.items())
+    return sum(WEIGHTS[kind] * value for kind, value in cost_terms.items())
 
 
-def misgivings(source: Surface, target: Surface, registration: Registration) -> float:
+def registration_cost(source: Surface, target: Surface, registration: Registration) -> float:
     """What speaks against the source bent in one way, to be compared with another: its strain, and what maps tell."""
-    return strain(source, target, registration) + weighted(compare(source, target, target.homes[registration.image]))
+    return strain(source, target, registration) + total_cost(
+        cost_terms(source, target, target.nearest_proxy[registration.image])
+    )

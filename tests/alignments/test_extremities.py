@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 import mobius_match as mm
-from mobius_match.explanations.extremities import LIKELY, MOST, tip_groups, tip_matches, tips
-from mobius_match.mesh import examples
+from mobius_match.alignments.extremities import LIKELY, MOST, extremities, extremity_matchings, extremity_triplets
+from mobius_match.evaluation import examples
 from tests.shapes import ellipsoid, renumbered
 
 
@@ -24,7 +24,7 @@ def true_places(source, target):
 
 def test_a_person_has_a_head_two_hands_and_two_feet(people):
     for person in people:
-        ends = tips(person)
+        ends = extremities(person)
         assert len(ends) == 5
         apart = person.normalized_distances[np.ix_(ends, ends)][np.triu_indices(5, 1)]
         assert apart.min() > 0.25
@@ -36,7 +36,7 @@ def test_a_person_has_a_head_two_hands_and_two_feet(people):
 def test_the_right_way_to_match_tips_is_among_the_likeliest(people):
     source, target = people
     truth, height = true_places(source, target), np.ptp(target.mesh.vertices, axis=0).max()
-    ways = tip_matches(source, target)
+    ways = extremity_matchings(source, target)
     assert 0 < len(ways) <= LIKELY
     apart = [
         np.linalg.norm(target.mesh.vertices[target.samples[way[:, 1]]] - truth[way[:, 0]], axis=1).max() / height
@@ -53,9 +53,9 @@ def test_three_of_the_matched_tips_tell_where_all_samples_go(people):
     source, target = people
     truth, height = true_places(source, target), np.ptp(target.mesh.vertices, axis=0).max()
     errors = []
-    for pairs, totals in tip_groups(source, target):
-        assert len(pairs) == len(totals)
-        best = pairs[totals.argmax()]
+    for pairs, triplet_weights in extremity_triplets(source, target):
+        assert len(pairs) == len(triplet_weights)
+        best = pairs[triplet_weights.argmax()]
         paired = np.flatnonzero(best >= 0)
         places = target.mesh.vertices[target.samples[best[paired]]]
         errors.append(np.linalg.norm(places - truth[paired], axis=1).mean() / height)
@@ -67,7 +67,8 @@ def test_numbers_of_vertices_do_not_matter(people):
     copy, new = renumbered((source.mesh.vertices, source.mesh.faces))
     other = mm.prepare(copy)
     here, there = (
-        set(map(tuple, one.mesh.vertices[one.samples[tips(one)]].round(6))) for one in (mm.prepare(source), other)
+        set(map(tuple, one.mesh.vertices[one.samples[extremities(one)]].round(6)))
+        for one in (mm.prepare(source), other)
     )
     assert here == there
     assert len(new) == len(source.mesh.vertices)
@@ -75,6 +76,6 @@ def test_numbers_of_vertices_do_not_matter(people):
 
 def test_what_has_fewer_than_three_tips_has_no_groups():
     cigar = mm.prepare(ellipsoid((1.0, 1.0, 4.0)))
-    assert 0 < len(tips(cigar)) <= MOST
-    assert len(tips(cigar)) == 2
-    assert tip_groups(cigar, cigar) == []
+    assert 0 < len(extremities(cigar)) <= MOST
+    assert len(extremities(cigar)) == 2
+    assert extremity_triplets(cigar, cigar) == []

@@ -15,14 +15,14 @@ from operator import attrgetter
 
 import numpy as np
 
-from .._core.threads import each
-from ..landmarks.constraints import Hints
-from ..registration.register import ALIKE, DIFFERENT, Registration, is_torn, register
+from .._core.threads import map_threads
+from ..landmarks.constraints import LandmarkConstraints
+from ..registration.register import ALIKE, DIFFERENT, Registration, is_discontinuous, register
 from ..surface.surface import Surface
-from .coarse_map import even_targets, finer_targets
-from .cost import misgivings
+from .coarse_map import balanced_targets, refined_targets
+from .cost import registration_cost
 
-badness_of = attrgetter("badness")
+cost_of = attrgetter("cost")
 
 
 AGAIN, LAST, TOGETHER = 4, 3, 0.05
@@ -31,7 +31,7 @@ per sqrt(area), one counts."""
 
 
 @dataclass(frozen=True, eq=False)
-class Explanation:
+class Alignment:
     """One way to see the target as the source in another pose.
 
     Parameters
@@ -47,69 +47,81 @@ class Explanation:
     registration
         The source bent along it, if that has been done.
     differ
-        Whether the shapes differ; then the registration, if it has been done, is where :func:`settled` leads.
+        Whether the shapes differ much; then the registration, if there is one, is that of
+        :func:`register_iteratively`.
     hints
         Pairs that are known, for bending.
     """
 
     image: np.ndarray
-    evidence: dict[str, float]
-    badness: float
+    cost_terms: dict[str, float]
+    cost: float
     share: float
     registration: Registration | None = None
-    differ: bool = False
-    hints: Hints | None = None
+    shapes_differ: bool = False
+    constraints: LandmarkConstraints | None = None
 
     @property
-    def seen(self) -> tuple[float, float]:
+    def feature_weights(self) -> tuple[float, float]:
         """What descriptors and curvatures count when the source is bent along it."""
-        return DIFFERENT if self.differ else ALIKE
+        return DIFFERENT if self.shapes_differ else ALIKE
 
-    def begun(self, source: Surface, target: Surface, image: np.ndarray) -> np.ndarray:
+    def initial_targets(self, source: Surface, target: Surface, image: np.ndarray) -> np.ndarray:
         """Target vertices (P1,) that the source's proxy is drawn to at first, from a map of it (P1,).
 
         Where shapes differ, what leaves nothing of the target over is better than what is finer than its proxy.
         """
-        if self.differ:
-            return even_targets(source, target, image)
-        return finer_targets(source, target, image, source.proxy)
+        if self.shapes_differ:
+            return balanced_targets(source, target, image)
+        return refined_targets(source, target, image, source.proxy)
 
     def registered(self, source: Surface, target: Surface, jobs: int | None = 1) -> Registration:
         """The source bent onto the target along this explanation."""
         if self.registration is not None:
             return self.registration
-        image = self.begun(source, target, self.image)
+        image = self.initial_targets(source, target, self.image)
         # A piece that was torn off by a few wrong points beside it is better believed.
-        ways = (True, False) if is_torn(source, target, image) else (True,)
-        found = each(
-            lambda i, _: register(source, target, image, freeing=ways[i], seen=self.seen, hints=self.hints),
+        ways = (True, False) if is_discontinuous(source, target, image) else (True,)
+        found = map_threads(
+            lambda i, _: register(
+                source,
+                target,
+                image,
+                ignore_discontinuous=ways[i],
+                feature_weights=self.feature_weights,
+                constraints=self.constraints,
+            ),
             len(ways),
             jobs,
             None,
         )
-        return found[0] if len(found) == 1 else min(found, key=partial(misgivings, source, target))
+        return found[0] if len(found) == 1 else min(found, key=partial(registration_cost, source, target))
 
 
-def settled(
+def register_iteratively(
     source: Surface,
     target: Surface,
-    explanation: Explanation,
+    alignment: Alignment,
     jobs: int | None = 1,
-    begun: Registration | None = None,
+    initial_targets: Registration | None = None,
 ) -> Registration:
     """The source's proxy bent along an explanation again and again, each time from where it had come to lie.
 
     A map that began badly gets better so, and what a single one is off along a limb averages out. The first time may
-    have been ``begun``.
+    have been ``initial_targets``.
     """
-    if explanation.differ and explanation.registration is not None:
-        return explanation.registration
-    found = [begun or explanation.registered(source, target, jobs)]
+    if alignment.shapes_differ and alignment.registration is not None:
+        return alignment.registration
+    found = [initial_targets or alignment.registered(source, target, jobs)]
     for _ in range(AGAIN):
-        image = explanation.begun(source, target, found[-1].image)
-        found.append(register(source, target, image, seen=explanation.seen, hints=explanation.hints))
+        image = alignment.initial_targets(source, target, found[-1].image)
+        found.append(
+            register(
+                source, target, image, feature_weights=alignment.feature_weights, constraints=alignment.constraints
+            )
+        )
     # Where shapes differ, what is strained least is not what is right.
-    best = found[-1] if explanation.differ else min(found, key=partial(misgivings, source, target))
+    best = found[-1] if alignment.shapes_differ else min(found, key=partial(registration_cost, source, target))
     places = np.stack([best.positions, *(one.positions for one in found[-LAST:])])
     near = np.linalg.norm(places - best.positions, axis=2) <= TOGETHER * np.sqrt(target.area)
     return replace(best, positions=np.einsum("kp,kpd->pd", near, places) / near.sum(axis=0)[:, None])

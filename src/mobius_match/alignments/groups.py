@@ -17,10 +17,10 @@ TRUSTED = 60
 """How many of the matches that a group agrees on are used."""
 
 
-def group_triplets(
+def cluster_triplets(
     pairs: np.ndarray,
     distances: np.ndarray,
-    totals: np.ndarray,
+    triplet_weights: np.ndarray,
     radius: float = GROUP_RADIUS,
     most: int = MOST_GROUPS,
 ) -> list[np.ndarray]:
@@ -42,7 +42,7 @@ def group_triplets(
     list of numpy.ndarray
         Numbers of the triplets of each group; the first of each is its best, and the groups are in their order.
     """
-    left = np.flatnonzero(totals >= LEAST_SHARE * totals.max(initial=0.0))
+    left = np.flatnonzero(triplet_weights >= LEAST_SHARE * triplet_weights.max(initial=0.0))
     groups: list[np.ndarray] = []
     while len(left) and len(groups) < most:
         same = _differences(pairs[left], pairs[left[0]], distances) < radius
@@ -52,17 +52,17 @@ def group_triplets(
     return groups
 
 
-def agreed_matches(pairs: np.ndarray, totals: np.ndarray, n2: int) -> np.ndarray:
+def agreed_matches(pairs: np.ndarray, triplet_weights: np.ndarray, n2: int) -> np.ndarray:
     """The matches (q, 2) that a group of triplets agrees on."""
     votes = np.zeros((pairs.shape[1], n2))
-    for row, total in zip(pairs, totals, strict=True):
+    for row, total in zip(pairs, triplet_weights, strict=True):
         paired = np.flatnonzero(row >= 0)
         votes[paired, row[paired]] += total**2
     return max_row_column(votes)[0][:TRUSTED]
 
 
-def purest_half(pairs: np.ndarray, distances: np.ndarray, group: np.ndarray) -> np.ndarray:
-    """The half of a group's triplets that differ least from its best one; see :func:`group_triplets`."""
+def most_consistent_half(pairs: np.ndarray, distances: np.ndarray, group: np.ndarray) -> np.ndarray:
+    """The half of a group's triplets that differ least from its best one; see :func:`cluster_triplets`."""
     apart = _differences(pairs[group], pairs[group[0]], distances)
     return group[np.sort(np.argsort(apart, kind="stable")[: (len(group) + 1) // 2])]
 

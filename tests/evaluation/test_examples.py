@@ -160,6 +160,6 @@ def test_unknown_name_is_refused(name):
 
 
 def test_import_is_light(name):
-    code = "import sys, mobius_match.examples as e; e.paths(sys.argv[1]); print(*sys.modules)"
+    code = "import sys, mobius_match.evaluation.examples as e; e.paths(sys.argv[1]); print(*sys.modules)"
     done = subprocess.run([sys.executable, "-c", code, name], capture_output=True, text=True, check=True)
     assert not {"scipy", "numba", "trimesh", "meshio", "igl"} & set(done.stdout.split())

@@ -11,9 +11,9 @@ from itertools import combinations, permutations
 import numpy as np
 
 from ..surface.surface import Surface
-from ..voting.kernel import explained_pairs
+from ..voting.kernel import mutual_pairs
 from ..voting.mobius import homogeneous
-from ..voting.votes import totals_of
+from ..voting.votes import triplet_weights_of
 
 REACH = 0.25
 """A tip is farther from the rest of the surface than all samples within this distance, per sqrt(area)."""
@@ -25,7 +25,7 @@ SOFT, LEFT_OUT = 0.1, 0.05
 """Added to distances per sqrt(area) before they are compared, and what it costs to leave a tip out."""
 
 
-def tips(surface: Surface) -> np.ndarray:
+def extremities(surface: Surface) -> np.ndarray:
     """Samples (t,) at the ends of limbs, the farthest from the rest first."""
     distances, central = surface.normalized_distances, surface.average_distances
     farthest = np.where(distances < REACH, central, 0.0).max(axis=1)
@@ -33,13 +33,13 @@ def tips(surface: Surface) -> np.ndarray:
     return found[np.argsort(-central[found], kind="stable")][:MOST]
 
 
-def tip_matches(source: Surface, target: Surface) -> list[np.ndarray]:
+def extremity_matchings(source: Surface, target: Surface) -> list[np.ndarray]:
     """The likely ways to match tips, the likeliest first: pairs of samples (q, 2) each, q > 2.
 
     Mutual distances tell: the mean difference of their logarithms. One tip of the surface that has fewer may be left
     out.
     """
-    ends1, ends2 = tips(source), tips(target)
+    ends1, ends2 = extremities(source), extremities(target)
     between1, between2 = source.normalized_distances, target.normalized_distances
     ways: list[tuple[np.ndarray, np.ndarray]] = []
     costs: list[np.ndarray] = []
@@ -60,7 +60,7 @@ def tip_matches(source: Surface, target: Surface) -> list[np.ndarray]:
     return [np.stack(ways[k], axis=1) for k in likely]
 
 
-def tip_groups(source: Surface, target: Surface) -> list[tuple[np.ndarray, np.ndarray]]:
+def extremity_triplets(source: Surface, target: Surface) -> list[tuple[np.ndarray, np.ndarray]]:
     """The triplets of each likely way to match tips.
 
     Returns
@@ -69,12 +69,12 @@ def tip_groups(source: Surface, target: Surface) -> list[tuple[np.ndarray, np.nd
         Which sample of the target each triplet pairs each source sample with, (i, N1) int, -1 for none, and the sums of
         the triplets' weights (i,), as in :class:`Votes`.
     """
-    ways = tip_matches(source, target)
+    ways = extremity_matchings(source, target)
     if not ways:
         return []
     triplets = [way[np.array(list(combinations(range(len(way)), 3)))] for way in ways]
     triplets1, triplets2 = (np.ascontiguousarray(np.concatenate(triplets)[:, :, side]) for side in (0, 1))
-    pairs = explained_pairs(homogeneous(source.positions), homogeneous(target.positions), triplets1, triplets2)
-    totals = totals_of(source, target, triplets1, triplets2)
+    pairs = mutual_pairs(homogeneous(source.positions), homogeneous(target.positions), triplets1, triplets2)
+    triplet_weights = triplet_weights_of(source, target, triplets1, triplets2)
     ends = np.cumsum([len(some) for some in triplets])[:-1]
-    return list(zip(np.split(pairs, ends), np.split(totals, ends), strict=True))
+    return list(zip(np.split(pairs, ends), np.split(triplet_weights, ends), strict=True))
