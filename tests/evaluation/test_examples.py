@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from mobius_match.errors import SettingsError
-from mobius_match.mesh import Mesh, examples, read_mesh, require_matchable
+from mobius_match.evaluation import examples
+from mobius_match.mesh import Mesh, read_mesh, require_matchable
 
 pytestmark = pytest.mark.parametrize("name", examples.names())
 MAPS = [(mirrored, reverse) for mirrored in (False, True) for reverse in (False, True)]

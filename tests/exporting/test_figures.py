@@ -15,9 +15,10 @@ from matplotlib.image import imread
 from scipy import ndimage
 
 from mobius_match import Correspondence, FormatError, MeshError, SettingsError
+from mobius_match.evaluation import examples
 from mobius_match.exporting.figures import colours_of, draw_matches, farthest_first
 from mobius_match.exporting.rendering import Shape, render
-from mobius_match.mesh import as_mesh, examples, repair
+from mobius_match.mesh import as_mesh, repair
 
 SIZE = (400, 200)
 

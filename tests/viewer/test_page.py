@@ -12,9 +12,9 @@ import pytest
 from PIL import Image
 
 from mobius_match import Correspondence, FormatError, MeshError, SurfaceMap, match, viewer
-from mobius_match.evaluation import Truth, metrics
+from mobius_match.evaluation import Truth, examples, metrics
 from mobius_match.geometry.points import SurfacePoints
-from mobius_match.mesh import as_mesh, examples, repair
+from mobius_match.mesh import as_mesh, repair
 from mobius_match.viewer import packing, page
 from mobius_match.voting.mobius import CANONICAL_TRIANGLE, cross_ratio
 from tests import shapes

@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from mobius_match.mesh import as_mesh, examples, repair
+from mobius_match.evaluation import examples
+from mobius_match.mesh import as_mesh, repair
 from mobius_match.results.correspondence import Correspondence
 from mobius_match.viewer import page
 from tests import shapes
