@@ -7,6 +7,9 @@ from typing import Any
 
 from .errors import SettingsError
 
+LARGEST_SPACING = 0.2
+"""Largest spacing of matches per sqrt(area)."""
+
 PAPER_VOTES_PER_TRIPLET = 10
 """Section 9: about ten votes are cast for each of the N**3 correct triplets ..."""
 PAPER_VOTES_RANGE = (5_000_000, 20_000_000)
@@ -124,7 +127,7 @@ class MatchSettings(PrepareSettings):
             value = getattr(self, name)
             if value is not None:
                 _check_number(name, value, 1)
-        _check_number("spacing", self.spacing, 0.2)
+        _check_number("spacing", self.spacing, LARGEST_SPACING)
         _check(isinstance(self.epsilon, int | float), "epsilon", self.epsilon, "give a positive number")
         _check(0 < self.epsilon < float("inf"), "epsilon", self.epsilon, "give a positive number")
         _check_choice("assignment", self.assignment, ("greedy", "linear"))

@@ -7,8 +7,8 @@ them.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import Field, field, fields, is_dataclass
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field, fields, is_dataclass
 from typing import Any
 
 AREA = "sqrt(area)"
@@ -16,6 +16,27 @@ AREA = "sqrt(area)"
 
 HAND = "chosen by hand on the evaluation sets"
 """Origin of a number that no script fits and no argument gives. Its worth is a row of the ablation."""
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A parameter of a record.
+
+    Parameters
+    ----------
+    name
+        With dots for records in records.
+    value
+        A number, or a tuple of numbers.
+    meaning, unit, origin
+        As in :func:`parameter`.
+    """
+
+    name: str
+    value: Any
+    meaning: str = ""
+    unit: str = ""
+    origin: str = ""
 
 
 def parameter(value: Any, meaning: str, *, unit: str = "", origin: str) -> Any:
@@ -35,16 +56,16 @@ def parameter(value: Any, meaning: str, *, unit: str = "", origin: str) -> Any:
     return field(default=value, metadata={"meaning": meaning, "unit": unit, "origin": origin})
 
 
-def parameters_of(record: Any, prefix: str = "") -> Iterator[tuple[str, Field[Any], Any]]:
-    """Name (with dots for records in records), field and value of each parameter of a record."""
+def parameters_of(record: Any, prefix: str = "", inherited: Mapping[str, str] | None = None) -> Iterator[Parameter]:
+    """Every parameter of a record, those of records in it too, which inherit what they do not say of themselves."""
     for one in fields(record):
-        value = getattr(record, one.name)
+        value, about = getattr(record, one.name), {**(inherited or {}), **one.metadata}
         if is_dataclass(value):
-            yield from parameters_of(value, f"{prefix}{one.name}.")
+            yield from parameters_of(value, f"{prefix}{one.name}.", about)
         else:
-            yield f"{prefix}{one.name}", one, value
+            yield Parameter(f"{prefix}{one.name}", value, **about)
 
 
 def count_numbers(record: Any) -> int:
     """How many numbers a record holds; a tuple of three counts as three."""
-    return sum(len(value) if isinstance(value, tuple) else 1 for _, _, value in parameters_of(record))
+    return sum(len(one.value) if isinstance(one.value, tuple) else 1 for one in parameters_of(record))

@@ -1,33 +1,22 @@
-"""Several explanations of one pair of surfaces, and the choice between them.
-
-Beyond the paper. On shapes that are nearly symmetric, or far from isometric, a wrong explanation (front taken for
-back, head for feet) can gain more votes than the right one. The best triplets are grouped by where they send the
-surface; each group's matches are extended to a map of the whole surface by spectral upsampling (Melzi et al. 2019) that
-leaves no part of the target over, and the maps are compared by what the votes do not see (`evidence.py`). Where none
-fits well, the ends of limbs make triplets of their own.
-"""
+"""One alignment of two surfaces, and the source registered along it."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import partial
 from operator import attrgetter
 
 import numpy as np
 
 from .._core.threads import map_threads
 from ..landmarks.constraints import LandmarkConstraints
-from ..registration.register import ALIKE, DIFFERENT, Registration, is_discontinuous, register
+from ..registration.parameters import FeatureWeights
+from ..registration.sparse import Registration, is_discontinuous, register
 from ..surface.surface import Surface
 from .coarse_map import balanced_targets, refined_targets
 from .cost import registration_cost
+from .parameters import AlignmentParameters
 
-cost_of = attrgetter("cost")
-
-
-AGAIN, LAST, TOGETHER = 4, 3, 0.05
-"""How often the proxy is bent again, over how many of the last its positions are averaged, and how far from the best,
-per sqrt(area), one counts."""
+by_cost = attrgetter("cost")
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,19 +27,19 @@ class Alignment:
     ----------
     image
         (P1,) int64: target vertex of each vertex of the source's proxy.
-    evidence
-        How badly it fits, by kind: 0 is perfect; "strain", where it was contested, against that of the first.
-    badness
-        The weighted sum of the evidence; the smallest wins.
+    cost_terms
+        Terms of its cost by name, 0 is perfect; "strain", if it was compared by registration, relative to the first.
+    cost
+        Their weighted sum; the alignment of least cost is chosen.
     share
-        The part of the best triplets that tell this explanation.
+        Fraction of the best triplets that belong to its cluster.
     registration
-        The source bent along it, if that has been done.
-    differ
-        Whether the shapes differ much; then the registration, if there is one, is that of
+        The source registered along it, if that has been done.
+    shapes_differ
+        Whether the shapes differ in more than their pose; then the registration, if there is one, is that of
         :func:`register_iteratively`.
-    hints
-        Pairs that are known, for bending.
+    constraints
+        Landmarks, for registration.
     """
 
     image: np.ndarray
@@ -61,67 +50,82 @@ class Alignment:
     shapes_differ: bool = False
     constraints: LandmarkConstraints | None = None
 
-    @property
-    def feature_weights(self) -> tuple[float, float]:
-        """What descriptors and curvatures count when the source is bent along it."""
-        return DIFFERENT if self.shapes_differ else ALIKE
+    def feature_weights(self, parameters: AlignmentParameters) -> FeatureWeights:
+        """Weights of features when the source is registered along it."""
+        return parameters.registration.different if self.shapes_differ else parameters.registration.similar
 
-    def initial_targets(self, source: Surface, target: Surface, image: np.ndarray) -> np.ndarray:
-        """Target vertices (P1,) that the source's proxy is drawn to at first, from a map of it (P1,).
+    def initial_targets(
+        self, source: Surface, target: Surface, image: np.ndarray, parameters: AlignmentParameters
+    ) -> np.ndarray:
+        """Target vertices (P1,) that the source's proxy moves to at first, from a map of it (P1,).
 
-        Where shapes differ, what leaves nothing of the target over is better than what is finer than its proxy.
+        Where shapes differ, targets that leave no part of the target over are better than targets finer than its proxy.
         """
         if self.shapes_differ:
-            return balanced_targets(source, target, image)
-        return refined_targets(source, target, image, source.proxy)
+            return balanced_targets(source, target, image, parameters.coarse_map)
+        return refined_targets(source, target, image, source.proxy, parameters.coarse_map)
 
-    def registered(self, source: Surface, target: Surface, jobs: int | None = 1) -> Registration:
-        """The source bent onto the target along this explanation."""
+    def registered(
+        self, source: Surface, target: Surface, parameters: AlignmentParameters, jobs: int | None = 1
+    ) -> Registration:
+        """The source registered to the target along this alignment."""
         if self.registration is not None:
             return self.registration
-        image = self.initial_targets(source, target, self.image)
-        # A piece that was torn off by a few wrong points beside it is better believed.
-        ways = (True, False) if is_discontinuous(source, target, image) else (True,)
-        found = map_threads(
+        image = self.initial_targets(source, target, self.image, parameters)
+        # A piece that is torn off by a few wrong points beside it had better keep its data term: both ways are tried.
+        torn = is_discontinuous(source, target, image, parameters.registration.discontinuity)
+        ways = (True, False) if torn else (True,)
+        registrations = map_threads(
             lambda i, _: register(
                 source,
                 target,
                 image,
+                parameters.registration,
+                weights=self.feature_weights(parameters),
                 ignore_discontinuous=ways[i],
-                feature_weights=self.feature_weights,
                 constraints=self.constraints,
             ),
             len(ways),
             jobs,
             None,
         )
-        return found[0] if len(found) == 1 else min(found, key=partial(registration_cost, source, target))
+        return cheapest(source, target, registrations, parameters)
+
+
+def cheapest(
+    source: Surface, target: Surface, registrations: list[Registration], parameters: AlignmentParameters
+) -> Registration:
+    """The registration of least cost."""
+    if len(registrations) == 1:
+        return registrations[0]
+    return min(registrations, key=lambda one: registration_cost(source, target, one, parameters))
 
 
 def register_iteratively(
     source: Surface,
     target: Surface,
     alignment: Alignment,
+    parameters: AlignmentParameters,
     jobs: int | None = 1,
-    initial_targets: Registration | None = None,
+    first: Registration | None = None,
 ) -> Registration:
-    """The source's proxy bent along an explanation again and again, each time from where it had come to lie.
+    """The source registered along an alignment iteratively, each time from the result of the last.
 
-    A map that began badly gets better so, and what a single one is off along a limb averages out. The first time may
-    have been ``initial_targets``.
+    A map that began badly improves, and averaging the last positions evens out errors along limbs. The first
+    registration may be given.
     """
     if alignment.shapes_differ and alignment.registration is not None:
         return alignment.registration
-    found = [initial_targets or alignment.registered(source, target, jobs)]
-    for _ in range(AGAIN):
-        image = alignment.initial_targets(source, target, found[-1].image)
-        found.append(
-            register(
-                source, target, image, feature_weights=alignment.feature_weights, constraints=alignment.constraints
-            )
+    selection, weights = parameters.selection, alignment.feature_weights(parameters)
+    registrations = [first or alignment.registered(source, target, parameters, jobs)]
+    for _ in range(selection.repeats):
+        image = alignment.initial_targets(source, target, registrations[-1].image, parameters)
+        registrations.append(
+            register(source, target, image, parameters.registration, weights=weights, constraints=alignment.constraints)
         )
-    # Where shapes differ, what is strained least is not what is right.
-    best = found[-1] if alignment.shapes_differ else min(found, key=partial(registration_cost, source, target))
-    places = np.stack([best.positions, *(one.positions for one in found[-LAST:])])
-    near = np.linalg.norm(places - best.positions, axis=2) <= TOGETHER * np.sqrt(target.area)
-    return replace(best, positions=np.einsum("kp,kpd->pd", near, places) / near.sum(axis=0)[:, None])
+    # Where shapes differ, the registration of least strain is not the right one.
+    best = registrations[-1] if alignment.shapes_differ else cheapest(source, target, registrations, parameters)
+    positions = np.stack([best.positions, *(one.positions for one in registrations[-selection.averaged :])])
+    distances = np.linalg.norm(positions - best.positions, axis=2)
+    near = distances <= selection.averaging_radius * np.sqrt(target.area)
+    return replace(best, positions=np.einsum("kp,kpd->pd", near, positions) / near.sum(axis=0)[:, None])

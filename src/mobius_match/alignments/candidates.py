@@ -1,4 +1,10 @@
-"""Candidate explanations of two surfaces: from the best triplets, and from their extremities."""
+"""Candidate alignments of two surfaces: from the clusters of the best triplets, and from extremities.
+
+Beyond the paper. On shapes that are nearly symmetric, or far from isometric, a wrong alignment (front taken for back,
+head for feet) can gain more votes than the right one. So the best triplets are clustered by where they send the
+samples, each cluster's matches are extended to a map of the whole surface (:mod:`.coarse_map`), and the maps are
+compared by what the votes do not see (:mod:`.cost`).
+"""
 
 from __future__ import annotations
 
@@ -14,127 +20,136 @@ from ..surface.surface import Surface
 from ..voting.kernel import mutual_pairs
 from ..voting.mobius import homogeneous
 from ..voting.votes import Votes, cast_votes
-from .alignment import Alignment, cost_of
-from .coarse_map import ROUGH, coarse_map, quick_image
+from .alignment import Alignment, by_cost
+from .clusters import agreed_matches, cluster_triplets, most_consistent_half
+from .coarse_map import coarse_map, quick_image
 from .cost import cost_terms, total_cost
 from .extremities import extremity_triplets
-from .groups import GROUP_RADIUS, agreed_matches, cluster_triplets, most_consistent_half
-
-UNSURE, HARD = 1.5, 2.0
-"""Badness of the best explanation above which the ends of limbs are tried, too; and above which the shapes are taken to
-differ: contenders are begun in other ways, and the winner is bent until it settles."""
+from .parameters import AlignmentParameters
 
 
-CONTEST, CONTENDERS = 1.5, 4
-"""Difference of badness up to which explanations are compared once more, and how many at most."""
-
-
-TIPPED = 5
-"""Of how many likely ways to match tips an explanation is made, where no other fits well."""
-
-
-def alignments(
+def candidate_alignments(
     source: Surface,
     target: Surface,
     votes: Votes,
+    parameters: AlignmentParameters,
+    *,
     constraints: LandmarkConstraints | None = None,
     jobs: int | None = 1,
-    limbs: bool = True,
+    with_extremities: bool = True,
 ) -> list[Alignment]:
-    """The explanations that the best triplets stand for, the best first.
+    """The alignments that the best triplets stand for, the cheapest first.
 
     Parameters
     ----------
     source, target
         The surfaces.
     votes
-        Votes of guided triplets on them. Without triplets there is no explanation.
-    hints
-        Pairs that are known: maps begin with them too, and are the worse the farther they send them elsewhere.
+        Votes of guided triplets on them. Without triplets there is no alignment.
+    parameters
+        The constants.
+    constraints
+        Landmarks: maps begin with them too, and cost the more the farther they send them elsewhere.
     jobs
         Threads; None for every processor. The result does not depend on it.
-    limbs
-        Whether the ends of limbs may be matched; those of a surface with itself would find themselves.
+    with_extremities
+        Whether extremities may be matched; those of a surface with itself would give the identity.
     """
+    selection, clusters = parameters.selection, parameters.clusters
     pairs = mutual_pairs(
         homogeneous(source.positions), homogeneous(target.positions), votes.best_source, votes.best_target
     )
     distances = target.normalized_distances
-    groups = cluster_triplets(pairs, distances, votes.triplet_weights)
+    groups = cluster_triplets(
+        pairs, distances, votes.triplet_weights, clusters.radius, clusters.least_weight, clusters.most
+    )
 
-    def judged(image: np.ndarray) -> dict[str, float]:
-        terms = cost_terms(source, target, image)
+    def aligned(matches: np.ndarray, share: float, backward: bool = False) -> Alignment:
+        """The alignment by matches of samples, from a map of the source or, backward, of the target."""
+        if backward:
+            plan = coarse_map(
+                target, source, matches[:, ::-1], parameters.coarse_map, constraints and constraints.inverse
+            )
+            image = plan.argmax(axis=0)
+        else:
+            image = coarse_map(source, target, matches, parameters.coarse_map, constraints).argmax(axis=1)
+        terms = cost_terms(source, target, image, parameters.cost)
         if constraints is not None:
             displacement = constraints.displacement(source, target, target.proxy[image])
             terms["landmarks"] = float(np.maximum(displacement - ASTRAY, 0.0).mean())
-        return terms
+        cost = total_cost(terms, parameters.cost.weights)
+        return Alignment(target.proxy[image], terms, cost, share, constraints=constraints)
 
-    def explained(matches: np.ndarray, share: float, backward: bool = False) -> Alignment:
-        """The explanation by matches of samples, from a map of the source or, backward, of the target."""
-        if backward:
-            image = coarse_map(target, source, matches[:, ::-1], constraints and constraints.inverse).argmax(axis=0)
-        else:
-            image = coarse_map(source, target, matches, constraints).argmax(axis=1)
-        cost_terms = judged(image)
-        return Alignment(target.proxy[image], cost_terms, total_cost(cost_terms), share, constraints=constraints)
+    def agreed(triplets: np.ndarray) -> np.ndarray:
+        weights = votes.triplet_weights[triplets]
+        return agreed_matches(pairs[triplets], weights, len(target.samples), clusters.most_matches)
 
-    def agreed(part: np.ndarray) -> np.ndarray:
-        return agreed_matches(pairs[part], votes.triplet_weights[part], len(target.samples))
-
-    def roughly(matches: np.ndarray) -> float:
-        return total_cost(cost_terms(source, target, quick_image(source, target, matches, constraints), ROUGH))
+    def quick_cost(matches: np.ndarray) -> float:
+        image = quick_image(source, target, matches, parameters.coarse_map, constraints)
+        step = parameters.coarse_map.quick_thinning
+        return total_cost(cost_terms(source, target, image, parameters.cost, step), parameters.cost.weights)
 
     shares = [len(group) / len(pairs) for group in groups]
-    found = map_threads(lambda i, _: explained(agreed(groups[i]), shares[i]), len(groups), jobs, None)
+    found = map_threads(lambda i, _: aligned(agreed(groups[i]), shares[i]), len(groups), jobs, None)
     least = min((one.cost for one in found), default=0.0)
-    if least > HARD:
-        # A map that began well may have gone astray. Other ways to begin do not go astray alike.
-        order = sorted(range(len(found)), key=lambda i: found[i].cost)[:CONTENDERS]
-        near = [i for i in order if found[i].cost <= least + CONTEST]
+    if least > selection.different_above:
+        # A refinement that began well may have gone wrong. Other beginnings do not go wrong in the same way.
+        order = sorted(range(len(found)), key=lambda i: found[i].cost)[: selection.most_contenders]
+        near = [i for i in order if found[i].cost <= least + selection.contest_margin]
         tasks = [
             (i, part, backward)
             for i in near
             for part, backward in product((groups[i], most_consistent_half(pairs, distances, groups[i])), (True, False))
             if backward or part is not groups[i]
         ]
-        others = map_threads(lambda k, _: explained(agreed(tasks[k][1]), 0.0, tasks[k][2]), len(tasks), jobs, None)
-        for (i, _, _), other in zip(tasks, others, strict=True):
-            found[i] = min(found[i], replace(other, share=shares[i]), key=cost_of)
-    if limbs and least > UNSURE:
+        variants = map_threads(lambda k, _: aligned(agreed(tasks[k][1]), 0.0, tasks[k][2]), len(tasks), jobs, None)
+        for (i, _, _), variant in zip(tasks, variants, strict=True):
+            found[i] = min(found[i], replace(variant, share=shares[i]), key=by_cost)
+    if with_extremities and least > selection.extremities_above:
         # All of the triplets that were drawn may be wrong.
-        ends = [agreed_matches(*group, len(target.samples)) for group in extremity_triplets(source, target)]
-        ends = [matches for matches in ends if len(matches) > 2]
-        rough = map_threads(lambda i, _: roughly(ends[i]), len(ends), jobs, None)
-        best = np.argsort(rough, kind="stable")[:TIPPED]
-        found += map_threads(lambda k, _: explained(ends[best[k]], 0.0), len(best), jobs, None)
-        return distinct_alignments(target, found)
-    return sorted(found, key=cost_of)
+        extremities = extremity_triplets(source, target, parameters.extremities)
+        lists = [agreed_matches(*one, len(target.samples), clusters.most_matches) for one in extremities]
+        lists = [matches for matches in lists if len(matches) > 2]
+        costs = map_threads(lambda i, _: quick_cost(lists[i]), len(lists), jobs, None)
+        best = np.argsort(costs, kind="stable")[: parameters.extremities.tried]
+        found += map_threads(lambda k, _: aligned(lists[best[k]], 0.0), len(best), jobs, None)
+        return distinct_alignments(target, found, clusters.radius / 2)
+    return sorted(found, key=by_cost)
 
 
-def distinct_alignments(target: Surface, found: list[Alignment]) -> list[Alignment]:
-    """Explanations, best first, without those that send the source where a better one does."""
+def distinct_alignments(target: Surface, alignments: list[Alignment], radius: float) -> list[Alignment]:
+    """Alignments, the cheapest first, without those whose images lie within a radius of a cheaper one's, on average.
+
+    The radius is per sqrt(area) of the target.
+    """
     places, kept = target.mesh.vertices / np.sqrt(target.area), list[Alignment]()
-    for one in sorted(found, key=cost_of):
-        apart = [np.linalg.norm(places[one.image] - places[other.image], axis=1).mean() for other in kept]
-        same = int(np.argmin(apart)) if kept else 0
-        if kept and apart[same] < GROUP_RADIUS / 2:
-            kept[same] = replace(kept[same], share=max(kept[same].share, one.share))
+    for one in sorted(alignments, key=by_cost):
+        distances = [np.linalg.norm(places[one.image] - places[other.image], axis=1).mean() for other in kept]
+        nearest = int(np.argmin(distances)) if kept else 0
+        if kept and distances[nearest] < radius:
+            kept[nearest] = replace(kept[nearest], share=max(kept[nearest].share, one.share))
         else:
             kept.append(one)
     return kept
 
 
 def alignments_with_landmarks(
-    source: Surface, target: Surface, votes: Votes, settings: MatchSettings, constraints: LandmarkConstraints | None
+    source: Surface,
+    target: Surface,
+    votes: Votes,
+    settings: MatchSettings,
+    parameters: AlignmentParameters,
+    constraints: LandmarkConstraints | None,
 ) -> tuple[Votes, list[Alignment]]:
-    """The explanations, best first, and the votes that they come from, in the light of what is known.
+    """The candidate alignments, and the votes they come from, where landmarks may be known.
 
-    Where the votes lead to no explanation that agrees with the hints, they are cast once more with them. Where they do,
-    hints have no say in it: on shapes of other proportions distances from them mislead.
+    If no candidate agrees with the landmarks, votes are cast once more, for samples at similar distances from them. If
+    one does, the landmarks do not change the votes: between shapes of different proportions those distances mislead.
     """
-    found = alignments(source, target, votes, constraints, settings.jobs)
-    if constraints is None or (found and not found[0].cost_terms["landmarks"]):
-        return votes, found
+    candidates = candidate_alignments(source, target, votes, parameters, constraints=constraints, jobs=settings.jobs)
+    if constraints is None or (candidates and not candidates[0].cost_terms["landmarks"]):
+        return votes, candidates
     disagreement = constraints.disagreement(source, target, source.samples, target.samples)
     votes = cast_votes(source, target, replace(settings, votes=votes.n_triplets), disagreement=disagreement)
-    return votes, distinct_alignments(target, found + alignments(source, target, votes, constraints, settings.jobs))
+    candidates += candidate_alignments(source, target, votes, parameters, constraints=constraints, jobs=settings.jobs)
+    return votes, distinct_alignments(target, candidates, parameters.clusters.radius / 2)

@@ -1,4 +1,4 @@
-"""What speaks against a map between two surfaces, in numbers of one scale: 0 is perfect.
+"""The cost of a map between two surfaces: a weighted sum of terms that are 0 for a perfect one.
 
 Beyond the paper. The votes see triplets; a map of the whole surface is judged by what they do not see: distances over
 all pairs, the Laplacian, curvature.
@@ -10,54 +10,48 @@ import numpy as np
 
 from ..geometry.curvature import rank_correlation
 from ..geometry.spectral import functional_map
-from ..registration.register import Registration, strain
+from ..registration.sparse import Registration
+from ..registration.strain import strain
 from ..surface.surface import Surface
-
-COMPARED = 20
-"""Number of eigenfunctions on which maps are compared with the Laplacian."""
-
-WEIGHTS = {
-    "distances": 5.0,
-    "laplacian": 3.0,
-    "mean curvature": 1.0,
-    "gauss curvature": 3.0,
-    "landmarks": 20.0,
-}
-"""What each kind of evidence counts; "landmarks" is how far known pairs are sent elsewhere, where there are any."""
+from .parameters import AlignmentParameters, CostParameters, CostWeights
 
 
-def cost_terms(source: Surface, target: Surface, image: np.ndarray, step: int = 1) -> dict[str, float]:
-    """Evidence against a map of the proxy, or of every so many-th point of it, to the target's; 0 is perfect."""
-    some = source.proxy[::step]
-    # A sample and its image are replaced by the nearest points that distances are known from.
-    mine = source.proxy_distances[:, ::step] / np.sqrt(source.area)
-    theirs = target.proxy_distances / np.sqrt(target.area)
-    landing = theirs[:, image[mine.argmin(axis=1)]].argmin(axis=0)
-    transfer = functional_map(
-        source.eigenfunctions[some, :COMPARED], target.eigenfunctions[target.proxy[image], :COMPARED]
-    )
+def cost_terms(
+    source: Surface, target: Surface, image: np.ndarray, parameters: CostParameters, step: int = 1
+) -> dict[str, float]:
+    """Terms of the cost of a map of the proxy, or of every so many-th point of it, to points of the target's proxy.
+
+    Their names are the fields of :class:`.CostWeights`.
+    """
+    points, images = source.proxy[::step], target.proxy[image]
+    # Distances are known from samples only: a sample stands for the point nearest to it, another one for its image.
+    here = source.proxy_distances[:, ::step] / np.sqrt(source.area)
+    there = target.proxy_distances / np.sqrt(target.area)
+    sample_images = there[:, image[here.argmin(axis=1)]].argmin(axis=0)
+    ratios = np.log((here + parameters.softening) / (there[sample_images][:, image] + parameters.softening))
+    count = parameters.eigenfunctions
+    transfer = functional_map(source.eigenfunctions[points, :count], target.eigenfunctions[images, :count])
     low, high = source.eigenvalues[: transfer.shape[0]], target.eigenvalues[: transfer.shape[1]]
+    commutator = np.linalg.norm(transfer * high - low[:, None] * transfer)
     gauss, mean = (
-        1 - rank_correlation(source.curvatures[row, some], target.curvatures[row, target.proxy[image]])
-        for row in (0, 2)
+        1 - rank_correlation(source.curvatures[row, points], target.curvatures[row, images]) for row in (0, 2)
     )
     return {
-        "distances": float(np.abs(np.log((mine + 0.1) / (theirs[landing][:, image] + 0.1))).mean()),
-        "laplacian": float(
-            np.linalg.norm(transfer * high - low[:, None] * transfer) / np.linalg.norm(low[:, None] * transfer)
-        ),
-        "mean curvature": mean,
-        "gauss curvature": gauss,
+        "distances": float(np.abs(ratios).mean()),
+        "laplacian": float(commutator / np.linalg.norm(low[:, None] * transfer)),
+        "mean_curvature": mean,
+        "gauss_curvature": gauss,
     }
 
 
-def total_cost(cost_terms: dict[str, float]) -> float:
-    """The weighted sum of evidence: how bad an explanation is."""
-    return sum(WEIGHTS[kind] * value for kind, value in cost_terms.items())
+def total_cost(terms: dict[str, float], weights: CostWeights) -> float:
+    """The weighted sum of the terms."""
+    return sum(getattr(weights, name) * value for name, value in terms.items())
 
 
-def registration_cost(source: Surface, target: Surface, registration: Registration) -> float:
-    """What speaks against the source bent in one way, to be compared with another: its strain, and what maps tell."""
-    return strain(source, target, registration) + total_cost(
-        cost_terms(source, target, target.nearest_proxy[registration.image])
-    )
+def registration_cost(
+    source: Surface, target: Surface, registration: Registration, parameters: AlignmentParameters
+) -> float:
+    """The cost of one registration, to be compared with another one of the same surfaces: its strain and its map's."""
+    terms = cost_terms(source, target, target.nearest_proxy[registration.image], parameters.cost)
+    return strain(source, target, registration, parameters.registration) + total_cost(terms, parameters.cost.weights)

@@ -1,4 +1,4 @@
-"""The dense map along an explanation of two whole surfaces."""
+"""The dense map along an alignment of two whole surfaces."""
 
 from __future__ import annotations
 
@@ -9,21 +9,29 @@ from ..results.surface_map import SurfaceMap
 from ..surface.surface import Surface
 from .alignment import Alignment, register_iteratively
 from .coarse_map import transport_plan
-
-SLIMMER = 1.05
-"""How many times longer, per sqrt(area), distances on the target are on the whole where it is the one that is bent."""
+from .parameters import AlignmentParameters
 
 
-def dense_map_of_alignment(source: Surface, target: Surface, alignment: Alignment) -> SurfaceMap:
-    """The map of all the user's vertices, both ways, along an explanation of two whole surfaces.
+def dense_map_of_alignment(
+    source: Surface, target: Surface, alignment: Alignment, parameters: AlignmentParameters
+) -> SurfaceMap:
+    """The map of all the user's vertices, both ways, along an alignment.
 
-    The slimmer surface is bent onto the other. What has to be pressed together (a long leg onto a short one) spreads by
-    its own rigidity; what has to be stretched hangs on at its ends alone, and a foot is drawn over half a shin.
+    The slimmer surface, that of longer distances per sqrt(area), is deformed to the other. A long leg that has to be
+    compressed to a short one spreads over it by its own rigidity; a short one that has to be stretched would hang on at
+    its ends alone, with a foot drawn over half a shin.
     """
     slimness, other = (surface.normalized_distances.mean() for surface in (source, target))
-    if other <= SLIMMER * slimness:
-        return dense_map(source, target, register_iteratively(source, target, alignment))
-    image = source.proxy[transport_plan(source, target, alignment.registered(source, target).image).argmax(axis=0)]
-    constraints = alignment.constraints and alignment.constraints.inverse
-    turned_round = replace(alignment, image=image, registration=None, constraints=constraints)
-    return dense_map(target, source, register_iteratively(target, source, turned_round)).inverse
+    if other <= parameters.selection.slimmer_ratio * slimness:
+        registration = register_iteratively(source, target, alignment, parameters)
+        return dense_map(source, target, registration, parameters.registration)
+    registered = alignment.registered(source, target, parameters)
+    plan = transport_plan(source, target, registered.image, parameters.coarse_map)
+    reversed_alignment = replace(
+        alignment,
+        image=source.proxy[plan.argmax(axis=0)],
+        registration=None,
+        constraints=alignment.constraints and alignment.constraints.inverse,
+    )
+    registration = register_iteratively(target, source, reversed_alignment, parameters)
+    return dense_map(target, source, registration, parameters.registration).inverse

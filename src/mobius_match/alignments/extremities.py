@@ -1,7 +1,8 @@
-"""Explanations that do not hang on what was drawn: the ends of limbs of two shapes, matched in every likely way.
+"""Candidates that depend on no draw of triplets: the extremities of two shapes, matched in every likely way.
 
-Beyond the paper. Between shapes of other proportions few triplets tell the truth, and another seed may draw none of
-them. The ends of limbs are few, so that all ways to match them can be looked at; three of them make a triplet.
+Beyond the paper. Between shapes of other proportions few triplets are right, and another seed may draw none of them.
+Extremities, such as the ends of limbs, are so few that all ways to match them can be compared; three of them make a
+triplet.
 """
 
 from __future__ import annotations
@@ -14,67 +15,61 @@ from ..surface.surface import Surface
 from ..voting.kernel import mutual_pairs
 from ..voting.mobius import homogeneous
 from ..voting.votes import triplet_weights_of
-
-REACH = 0.25
-"""A tip is farther from the rest of the surface than all samples within this distance, per sqrt(area)."""
-
-MOST, LIKELY = 6, 120
-"""How many tips of a surface, and how many ways to match them, are looked at."""
-
-SOFT, LEFT_OUT = 0.1, 0.05
-"""Added to distances per sqrt(area) before they are compared, and what it costs to leave a tip out."""
+from .parameters import ExtremityParameters
 
 
-def extremities(surface: Surface) -> np.ndarray:
-    """Samples (t,) at the ends of limbs, the farthest from the rest first."""
-    distances, central = surface.normalized_distances, surface.average_distances
-    farthest = np.where(distances < REACH, central, 0.0).max(axis=1)
-    found = np.flatnonzero(central >= farthest)
-    return found[np.argsort(-central[found], kind="stable")][:MOST]
+def extremities(surface: Surface, parameters: ExtremityParameters) -> np.ndarray:
+    """Samples (t,) at the extremities of a surface, the farthest from the rest of it first."""
+    distances, average = surface.normalized_distances, surface.average_distances
+    farthest = np.where(distances < parameters.radius, average, 0.0).max(axis=1)
+    samples = np.flatnonzero(average >= farthest)
+    return samples[np.argsort(-average[samples], kind="stable")][: parameters.most]
 
 
-def extremity_matchings(source: Surface, target: Surface) -> list[np.ndarray]:
-    """The likely ways to match tips, the likeliest first: pairs of samples (q, 2) each, q > 2.
+def extremity_matchings(source: Surface, target: Surface, parameters: ExtremityParameters) -> list[np.ndarray]:
+    """The likely ways to match extremities, the likeliest first: pairs of samples (q, 2) each, q > 2.
 
-    Mutual distances tell: the mean difference of their logarithms. One tip of the surface that has fewer may be left
-    out.
+    Their cost is the mean absolute difference of the logarithms of their mutual distances. One extremity of the surface
+    that has fewer may be left out, at a cost.
     """
-    ends1, ends2 = extremities(source), extremities(target)
+    ends1, ends2 = extremities(source, parameters), extremities(target, parameters)
     between1, between2 = source.normalized_distances, target.normalized_distances
-    ways: list[tuple[np.ndarray, np.ndarray]] = []
+    matchings: list[tuple[np.ndarray, np.ndarray]] = []
     costs: list[np.ndarray] = []
-    most = min(len(ends1), len(ends2))
+    most, softening = min(len(ends1), len(ends2)), parameters.softening
     for size in range(most, max(most - 2, 2), -1):
         i, j = np.triu_indices(size, 1)
         images = ends2[np.array(list(permutations(range(len(ends2)), size)))]
         there = between2[images[:, i], images[:, j]]
-        for chosen in combinations(ends1, size):
-            some = np.array(chosen)
-            here = between1[some[i], some[j]]
-            differences = np.abs(np.log((here + SOFT) / (there + SOFT))).mean(axis=1)
-            costs.append(differences + LEFT_OUT * (most - size))
-            ways.extend((some, image) for image in images)
-    if not ways:
+        for subset in combinations(ends1, size):
+            chosen = np.array(subset)
+            here = between1[chosen[i], chosen[j]]
+            differences = np.abs(np.log((here + softening) / (there + softening))).mean(axis=1)
+            costs.append(differences + parameters.omission_cost * (most - size))
+            matchings.extend((chosen, image) for image in images)
+    if not matchings:
         return []
-    likely = np.argsort(np.concatenate(costs), kind="stable")[:LIKELY]
-    return [np.stack(ways[k], axis=1) for k in likely]
+    likely = np.argsort(np.concatenate(costs), kind="stable")[: parameters.likely]
+    return [np.stack(matchings[k], axis=1) for k in likely]
 
 
-def extremity_triplets(source: Surface, target: Surface) -> list[tuple[np.ndarray, np.ndarray]]:
-    """The triplets of each likely way to match tips.
+def extremity_triplets(
+    source: Surface, target: Surface, parameters: ExtremityParameters
+) -> list[tuple[np.ndarray, np.ndarray]]:
+    """The triplets of each likely way to match extremities.
 
     Returns
     -------
     list of tuple
-        Which sample of the target each triplet pairs each source sample with, (i, N1) int, -1 for none, and the sums of
-        the triplets' weights (i,), as in :class:`Votes`.
+        The target sample that each triplet pairs each source sample with, (i, N1) int, -1 for none, and the weights of
+        the triplets (i,), as in :class:`.Votes`.
     """
-    ways = extremity_matchings(source, target)
-    if not ways:
+    matchings = extremity_matchings(source, target, parameters)
+    if not matchings:
         return []
-    triplets = [way[np.array(list(combinations(range(len(way)), 3)))] for way in ways]
+    triplets = [matching[np.array(list(combinations(range(len(matching)), 3)))] for matching in matchings]
     triplets1, triplets2 = (np.ascontiguousarray(np.concatenate(triplets)[:, :, side]) for side in (0, 1))
     pairs = mutual_pairs(homogeneous(source.positions), homogeneous(target.positions), triplets1, triplets2)
-    triplet_weights = triplet_weights_of(source, target, triplets1, triplets2)
-    ends = np.cumsum([len(some) for some in triplets])[:-1]
-    return list(zip(np.split(pairs, ends), np.split(triplet_weights, ends), strict=True))
+    weights = triplet_weights_of(source, target, triplets1, triplets2)
+    ends = np.cumsum([len(one) for one in triplets])[:-1]
+    return list(zip(np.split(pairs, ends), np.split(weights, ends), strict=True))

@@ -1,4 +1,4 @@
-"""The choice between explanations that are close."""
+"""The choice between alignments of similar cost, by how much registration along each strains the source."""
 
 from __future__ import annotations
 
@@ -7,71 +7,77 @@ from dataclasses import replace
 import numpy as np
 
 from .._core.threads import Progress, map_threads
-from ..registration.register import register_coarsely, strain
+from ..registration.sparse import register_coarsely
+from ..registration.strain import strain
 from ..surface.surface import Surface
-from .alignment import Alignment, cost_of, register_iteratively
-from .candidates import CONTENDERS, CONTEST, HARD
+from .alignment import Alignment, by_cost, register_iteratively
 from .coarse_map import balanced_targets
-
-HOPELESS = 3.0
-"""By how much one is worse than another after it was bent in haste to be left at that."""
-
-
-CLOSE = 0.3
-"""Difference of two explanations' badness below which the choice between them is called close."""
+from .parameters import AlignmentParameters
 
 
 def rerank_by_registration(
-    source: Surface, target: Surface, found: list[Alignment], jobs: int | None = 1
+    source: Surface,
+    target: Surface,
+    candidates: list[Alignment],
+    parameters: AlignmentParameters,
+    jobs: int | None = 1,
 ) -> list[Alignment]:
-    """Explanations, best first, after those that are close have been compared once more: by how the source is bent.
+    """Alignments, the cheapest first, after those of similar cost have been compared by registration.
 
-    What is right on the whole and wrong at a limb shows when the surface is bent in haste, and what is wrong on the
-    whole when it is bent with care. Both take long; so only contenders are. Their badness changes by how much worse
-    they are bent than the first of them. The winner has been bent, where shapes differ until it settled.
+    A coarse registration shows what is right on the whole and wrong at a limb, a full one what is wrong on the whole.
+    Both take long; so only contenders are registered, and only those that the coarse one leaves hope get the full one.
+    The cost of each changes by the mean of the differences of its strains from those of the first. The winner has been
+    registered, repeatedly where shapes differ.
     """
-    if not found:
+    if not candidates:
         return []
-    shapes_differ = found[0].cost > HARD
-    rivals = [one for one in found[:CONTENDERS] if one.cost - found[0].cost <= CONTEST]
+    selection = parameters.selection
+    differ = candidates[0].cost > selection.different_above
+    rivals = [
+        one
+        for one in candidates[: selection.most_contenders]
+        if one.cost - candidates[0].cost <= selection.contest_margin
+    ]
 
     def coarse_strain(i: int, _: Progress) -> float:
-        image = balanced_targets(source, target, rivals[i].image)
-        return strain(source, target, register_coarsely(source, target, image, rivals[i].constraints))
+        image = balanced_targets(source, target, rivals[i].image, parameters.coarse_map)
+        registration = register_coarsely(source, target, image, parameters.registration, rivals[i].constraints)
+        return strain(source, target, registration, parameters.registration)
 
     strains = np.array(map_threads(coarse_strain, len(rivals), jobs, None) if len(rivals) > 1 else [0.0])
-    triplet_weights = strains + [one.cost for one in rivals]
-    least, likely = (
-        int(triplet_weights.argmin()),
-        np.flatnonzero(triplet_weights <= triplet_weights.min() + HOPELESS).tolist(),
+    totals = strains + [one.cost for one in rivals]
+    least, likely = int(totals.argmin()), np.flatnonzero(totals <= totals.min() + selection.hopeless_margin).tolist()
+    contenders = [replace(rivals[i], shapes_differ=differ) for i in likely]
+    registrations = map_threads(
+        lambda k, _: contenders[k].registered(source, target, parameters, jobs), len(likely), jobs, None
     )
-    contenders = [replace(rivals[i], shapes_differ=shapes_differ) for i in likely]
-    bent = map_threads(lambda k, _: contenders[k].registered(source, target, jobs), len(likely), jobs, None)
-    # Each way weighs half; haste alone tells of the hopeless. As differences, since careful bending strains less.
-    careful = np.array([strain(source, target, one) for one in bent])
+    # As differences, since a full registration strains less; the coarse one alone decides on the hopeless.
+    full = np.array([strain(source, target, one, parameters.registration) for one in registrations])
     strains -= strains[least]
-    strains[likely] = (strains[likely] + careful - careful[likely.index(least)]) / 2
+    strains[likely] = (strains[likely] + full - full[likely.index(least)]) / 2
     if len(rivals) > 1:
         for i, more in enumerate((strains - strains[0]).tolist()):
-            cost_terms = rivals[i].cost_terms | {"strain": more}
-            rivals[i] = replace(rivals[i], cost_terms=cost_terms, cost=rivals[i].cost + more)
-    first = min(likely, key=lambda i: rivals[i].cost)
-    winner, begun = replace(rivals[first], shapes_differ=shapes_differ), bent[likely.index(first)]
-    winner = replace(
-        winner, registration=register_iteratively(source, target, winner, jobs, begun) if shapes_differ else begun
-    )
-    others = [*rivals[:first], *rivals[first + 1 :], *found[len(rivals) :]]
-    return [winner, *sorted(others, key=cost_of)]
+            rivals[i] = replace(
+                rivals[i], cost_terms=rivals[i].cost_terms | {"strain": more}, cost=rivals[i].cost + more
+            )
+    winner = min(likely, key=lambda i: rivals[i].cost)
+    chosen, registration = replace(rivals[winner], shapes_differ=differ), registrations[likely.index(winner)]
+    if differ:
+        registration = register_iteratively(source, target, chosen, parameters, jobs, registration)
+    others = [*rivals[:winner], *rivals[winner + 1 :], *candidates[len(rivals) :]]
+    return [replace(chosen, registration=registration), *sorted(others, key=by_cost)]
 
 
-def ambiguity_warnings(found: list[Alignment]) -> list[str]:
-    """What a user should know of the choice between explanations, best first."""
-    if found and found[0].cost_terms.get("landmarks"):
-        return ["the landmarks fit with none of the explanations that were found: are they right? Look at the matches"]
-    if len(found) < 2 or found[1].cost - found[0].cost > CLOSE:
+def ambiguity_warnings(alignments: list[Alignment], parameters: AlignmentParameters) -> list[str]:
+    """Warnings about the choice between alignments, the cheapest first."""
+    if alignments and alignments[0].cost_terms.get("landmarks"):
+        return ["the landmarks agree with none of the alignments found. Check the landmarks, and the matches"]
+    limit = parameters.selection.ambiguous_margin
+    if len(alignments) < 2 or alignments[1].cost - alignments[0].cost > limit:
         return []
-    margin = found[1].cost - found[0].cost
+    margin = alignments[1].cost - alignments[0].cost
     return [
-        f"another explanation of the two shapes is nearly as good (it lost by {margin:.2f}; below {CLOSE} is close): "
-        "look at the matches, and at the alternatives"
+        "ambiguous: a second alignment (often left/right or front/back swapped) scores almost as well (margin "
+        f"{margin:.2f}; below {limit} is close). Look at the matches and at the alternatives, or give one known pair "
+        "as `landmarks`"
     ]

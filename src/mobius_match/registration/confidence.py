@@ -1,41 +1,31 @@
-"""How far a match can be trusted: the chance that it lies within 5 % of the diameter of its true place.
+"""The confidence in a match: the probability that it lies within 5 % of the diameter of its true place.
 
-Beyond the paper, whose confidence is a share of the votes. Each vertex of the source's proxy is asked how well its
-place on the target agrees with all that is known around it; four answers together give the chance.
+Beyond the paper, whose confidence is a share of the votes. Four features of each vertex of the source's proxy say how
+well its place on the target agrees with its surroundings; a logistic model of their logarithms gives the probability.
 """
 
 from __future__ import annotations
+
+from typing import Any
 
 import numpy as np
 
 from ..geometry.interpolation import _means, interpolate_nearby, squared_distances
 from ..mesh.measure import cross_products
 from ..surface.surface import Surface
-from .register import Registration, edge_stretches
-
-NEAR = 0.15
-"""Distance per sqrt(area) over which a sample has a say in how well the distances around another agree."""
-
-BESIDE = 0.06
-"""Distance per sqrt(area) at which the misfit and the stretch around a vertex count 1 / e."""
-
-AROUND = 0.12
-"""Distance per sqrt(area) up to which the surface around a place tells how firmly it is held there."""
-
-
-FLOORS = {"distances": 0.01, "residual": 0.01, "stretch": 0.02, "stability": 0.02}
-"""What each kind of evidence is at least, in the units it is measured in, so that its logarithm tells little near 0."""
-
-SLOPES = {"distances": -0.60, "residual": -2.54, "stretch": -1.19, "stability": 1.14}
-OFFSET = -8.5
-"""A logistic function of the logarithms of the evidence, over animals and people in many poses: the ratio of the slopes
-is amid those that rank first what is within 3 % of the diameter, their size and the offset are for 5 %."""
+from .parameters import ConfidenceParameters, ConfidenceTerms
+from .sparse import Registration
+from .strain import edge_strain
 
 
 def match_probabilities(
-    source: Surface, target: Surface, registration: Registration, distances: np.ndarray
+    source: Surface,
+    target: Surface,
+    registration: Registration,
+    distances: np.ndarray,
+    parameters: ConfidenceParameters,
 ) -> np.ndarray:
-    """The chance (P1,) float64 in [0, 1] that the place of each vertex of the source's proxy is right.
+    """The probability (P1,) float64 in [0, 1] that the place of each vertex of the source's proxy is right.
 
     Parameters
     ----------
@@ -43,66 +33,75 @@ def match_probabilities(
         The surfaces, and the source on the target.
     distances
         (N1, N2), as :func:`distances_to_images` gives them.
+    parameters
+        The constants of the model.
     """
-    found = confidence_features(source, target, registration, distances)
-    score = OFFSET + sum(slope * np.log(found[kind] + FLOORS[kind]) for kind, slope in SLOPES.items())
+    terms = confidence_terms(source, target, registration, distances, parameters)
+    score = parameters.offset + sum(
+        slope * np.log(term + floor)
+        for term, floor, slope in zip(
+            _values(terms), _values(parameters.floors), _values(parameters.slopes), strict=True
+        )
+    )
     return np.asarray(1 / (1 + np.exp(-score)))
 
 
-def confidence_features(
-    source: Surface, target: Surface, registration: Registration, distances: np.ndarray
-) -> dict[str, np.ndarray]:
-    """The features (P1,) of each vertex of the proxy that :func:`match_probabilities` is a function of."""
+def _values(terms: ConfidenceTerms[Any]) -> tuple[Any, ...]:
+    return terms.distances, terms.residual, terms.strain, terms.stability
+
+
+def confidence_terms(
+    source: Surface,
+    target: Surface,
+    registration: Registration,
+    distances: np.ndarray,
+    parameters: ConfidenceParameters,
+) -> ConfidenceTerms[np.ndarray]:
+    """The features (P1,) of each vertex of the proxy; see :func:`match_probabilities`."""
     # Distances from the places to the target's samples, and from the source's samples to where those come from.
     here, there = _distances_to_origins(source, target, registration), distances / np.sqrt(target.area)
-    weight = np.exp(-np.minimum(here, there) / NEAR)
+    weight = np.exp(-np.minimum(here, there) / parameters.sample_radius)
     disagreement = (weight * np.abs(here - there)).sum(axis=1) / weight.sum(axis=1)
-    beside = np.exp(-((source.proxy_geodesics / BESIDE) ** 2))
-    beside /= beside.sum(axis=1, keepdims=True)
-    return {
-        "distances": _means(source.proxy_distances.T, disagreement[None])[0],
-        "residual": beside @ registration.residual,
-        "stretch": beside @ edge_strain(source, target, registration),
-        "stability": stability(target, target.mesh.vertices[registration.image]),
-    }
+    nearby = np.exp(-((source.proxy_geodesics / parameters.smoothing_radius) ** 2))
+    nearby /= nearby.sum(axis=1, keepdims=True)
+    images = target.mesh.vertices[registration.image]
+    return ConfidenceTerms(
+        distances=_means(source.proxy_distances.T, disagreement[None])[0],
+        residual=nearby @ registration.residual,
+        strain=nearby @ edge_strain(source, target, registration),
+        stability=stability(target, images, parameters.stability_radius),
+    )
 
 
-def stability(surface: Surface, places: np.ndarray) -> np.ndarray:
-    """How firmly the shape around places (p, 3) of a surface holds a copy of it: (p,), from 0 to 1/3.
+def stability(surface: Surface, places: np.ndarray, radius: float) -> np.ndarray:
+    """How well the shape around places (p, 3) of a surface resists sliding: (p,), from 0 to 1/3.
 
-    The least eigenvalue of the mean of n n', n being the normals of the faces around. It is 0 where a copy could slide
-    without changing the picture, in a plane or along a cylinder, and 1/3 at the end of a finger.
+    The least eigenvalue of the mean of n n^T over the normals n of the faces within a radius per sqrt(area), the
+    translational part of slippage analysis (Gelfand and Guibas 2004). It is 0 where a copy can slide on the surface, as
+    in a plane or along a cylinder, and 1/3 at the end of a finger.
     """
     vertices, faces = surface.mesh.vertices / np.sqrt(surface.area), surface.mesh.faces
     crosses = cross_products(vertices, faces)
     sizes = np.maximum(np.linalg.norm(crosses, axis=1, keepdims=True), np.finfo(float).tiny)
     of_faces = (crosses[:, :, None] * crosses[:, None] / sizes[:, None]).reshape(-1, 9)
-    # Each face stands at the vertices of the proxy that its corners are nearest to: as many, but no more than these.
-    nearest_proxy, size = surface.nearest_proxy[faces].ravel(), len(surface.proxy)
-    sums = np.stack([np.bincount(nearest_proxy, np.repeat(entry, 3), size) for entry in of_faces.T], axis=1)
-    near = (squared_distances(places / np.sqrt(surface.area), vertices[surface.proxy]) <= AROUND**2).astype(float)
-    means = (near @ sums).reshape(-1, 3, 3)
+    # A face counts at the vertices of the proxy that are nearest to its corners.
+    corners, size = surface.nearest_proxy[faces].ravel(), len(surface.proxy)
+    sums = np.stack([np.bincount(corners, np.repeat(entry, 3), size) for entry in of_faces.T], axis=1)
+    near = squared_distances(places / np.sqrt(surface.area), vertices[surface.proxy]) <= radius**2
+    means = (near.astype(float) @ sums).reshape(-1, 3, 3)
     traces = np.maximum(np.trace(means, axis1=1, axis2=2), np.finfo(float).tiny)
     return np.asarray(np.linalg.eigvalsh(means / traces[:, None, None])[:, 0])
 
 
-def edge_strain(source: Surface, target: Surface, registration: Registration) -> np.ndarray:
-    """How much the edges at each vertex of the proxy are stretched or pressed, (P1,): mean logarithms."""
-    stretches = np.abs(edge_stretches(source, target, registration))
-    number = np.maximum(np.bincount(source.proxy_edges.ravel(), minlength=len(source.proxy)), 1)
-    sums = [np.bincount(ends, stretches, len(source.proxy)) for ends in source.proxy_edges.T]
-    return np.asarray(sum(sums) / number)
-
-
 def distances_to_images(source: Surface, target: Surface, registration: Registration) -> np.ndarray:
-    """Geodesic distances (N1, N2) of the places of the source's samples from the target's samples, target's units."""
+    """Geodesic distances (N1, N2) of the images of the source's samples from the target's samples, in its units."""
     vertices = target.mesh.vertices
     places = vertices[registration.image[np.searchsorted(source.proxy, source.samples)]]
     return interpolate_nearby(vertices[target.proxy], places, target.proxy_distances).T
 
 
 def _distances_to_origins(source: Surface, target: Surface, registration: Registration) -> np.ndarray:
-    """Distances (N1, N2) per sqrt(area) of the source's samples from where the target's samples come from."""
+    """Distances (N1, N2) per sqrt(area) of the source's samples from the preimages of the target's samples."""
     images = target.mesh.vertices[registration.image]
-    found = interpolate_nearby(images, target.mesh.vertices[target.samples], source.proxy_distances)
-    return found / np.sqrt(source.area)
+    distances = interpolate_nearby(images, target.mesh.vertices[target.samples], source.proxy_distances)
+    return distances / np.sqrt(source.area)

@@ -1,7 +1,7 @@
-"""Every vertex of the source on the target: the bent proxy carries the whole mesh, which is then bent as closely.
+"""Dense registration: every vertex of the source on the target, and the map that this gives.
 
-Beyond the paper. What :mod:`mobius_match.registration` does with a thousand points is done until it settles, and then
-once more with all vertices, from where the proxy carries them.
+Beyond the paper. The deformed proxy carries the whole mesh, which is then deformed in the same way, from there
+(:mod:`.deform`).
 """
 
 from __future__ import annotations
@@ -9,53 +9,50 @@ from __future__ import annotations
 import numpy as np
 from scipy.spatial import cKDTree
 
-from ..geometry.nearest_neighbors import NearestNeighbors, nearest_neighbors, spatial_order
+from ..geometry.nearest_neighbors import nearest_neighbors, spatial_order
 from ..geometry.normals import vertex_normals
 from ..geometry.points import SurfacePoints, closest_points
 from ..geometry.spectral import functional_map
 from ..mesh.topology import edge_table, edges_of
 from ..results.surface_map import SurfaceMap
 from ..surface.surface import Surface
+from .deform import State, Target, deform
 from .energy import DeformationGraph
-from .register import Registration
-
-TRUST = (0.1, 0.3, 0.6, 1.2)
-"""Weight of the places against rigidity, from one round to the next."""
-
-ROUNDS, STEPS = 4, 4
-"""Searches for the nearest points at each weight, and alternations of turning and moving after each."""
-
-NORMAL, SPECTRAL, RELIEF = 0.04, 0.003, 0.015
-"""How much normals, eigenfunctions and curvatures count in the nearest point, against places per sqrt(area)."""
-
-BESIDE = 0.03
-"""Distance per sqrt(area) from a bent part up to which a point of the whole belongs to it."""
+from .features import rotated_normals
+from .parameters import RegistrationParameters
+from .sparse import Registration
 
 
-CARRIERS = 6
-"""Vertices of the proxy that carry each vertex of the mesh."""
-
-
-def dense_map(source: Surface, target: Surface, registration: Registration, *, whole: bool = True) -> SurfaceMap:
+def dense_map(
+    source: Surface,
+    target: Surface,
+    registration: Registration,
+    parameters: RegistrationParameters,
+    *,
+    whole: bool = True,
+) -> SurfaceMap:
     """The map of all the user's vertices, both ways, that a registration leads to.
 
     Parameters
     ----------
     source, target, registration
         The surfaces, and the source's proxy on the target.
+    parameters
+        The constants.
     whole
-        Whether the source covers the target. If not, what lies beyond its rim has no counterpart.
+        Whether the source covers the target. If not, what lies beyond its boundary has no counterpart.
     """
-    bent, bent_normals = deform(source, target, registration, whole)
+    deformed, deformed_normals = register_vertices(source, target, registration, parameters, whole)
     mesh1, mesh2, scale = source.mesh, target.mesh, np.sqrt(target.area)
-    normals = vertex_normals(mesh2.vertices / scale, mesh2.faces)
-    points = _closest(bent, bent_normals, mesh2.vertices, normals, mesh2.faces, scale)
-    back = _closest(mesh2.vertices, normals, bent, bent_normals, mesh1.faces, scale)
-    found = np.ones(len(mesh1.vertices), bool), np.ones(len(mesh2.vertices), bool)
+    normals, weight = vertex_normals(mesh2.vertices / scale, mesh2.faces), parameters.of_vertices.normal
+    first = np.hstack([deformed / scale, weight * deformed_normals])
+    second = np.hstack([mesh2.vertices / scale, weight * normals])
+    target_points, source_points = _closest(first, second, mesh2.faces), _closest(second, first, mesh1.faces)
+    source_mapped, target_mapped = np.ones(len(first), bool), np.ones(len(second), bool)
     if not whole:
-        apart = np.linalg.norm(back.values(bent) - mesh2.vertices, axis=1) / scale
-        found = found[0], (apart <= BESIDE) & ~_on_boundary(back, mesh1.faces)
-    simple = SurfaceMap(mesh1, mesh2, points, back, *found)
+        distance = np.linalg.norm(source_points.values(deformed) - mesh2.vertices, axis=1) / scale
+        target_mapped = (distance <= parameters.part_distance) & ~_on_boundary(source_points, mesh1.faces)
+    simple = SurfaceMap(mesh1, mesh2, target_points, source_points, source_mapped, target_mapped)
     return simple if source.detail is None and target.detail is None else _in_detail(source, target, simple)
 
 
@@ -75,83 +72,76 @@ def _in_detail(source: Surface, target: Surface, simple: SurfaceMap) -> SurfaceM
 def _on_boundary(points: SurfacePoints, faces: np.ndarray) -> np.ndarray:
     """Which points (q,) bool lie on the boundary: what they stand for is beyond it."""
     table = edge_table(faces)
-    rim = np.zeros(faces.max() + 1, bool)
-    rim[table.edges[table.counts == 1]] = True
-    return np.asarray((rim[points.corners] | (points.barycentric < 1e-9)).all(axis=1))
+    boundary = np.zeros(faces.max() + 1, bool)
+    boundary[table.edges[table.counts == 1]] = True
+    return np.asarray((boundary[points.corners] | (points.barycentric < 1e-9)).all(axis=1))
 
 
-def deform(
-    source: Surface, target: Surface, registration: Registration, whole: bool = True
+def register_vertices(
+    source: Surface, target: Surface, registration: Registration, parameters: RegistrationParameters, whole: bool
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Bend all of the source onto the target; if it does not cover the target, without being drawn.
+    """Deform all of the source to the target, from where its registered proxy carries it.
 
     Returns
     -------
     positions, normals
         (n1, 3) float64 each: of the source's vertices, in the target's coordinates.
     """
+    weights = parameters.of_vertices
     scale1, scale2 = np.sqrt(source.area), np.sqrt(target.area)
     rest, there = source.mesh.vertices / scale1, target.mesh.vertices / scale2
     normals1, normals2 = vertex_normals(rest, source.mesh.faces), vertex_normals(there, target.mesh.faces)
-    positions, rotations = _interpolate_deformation(
-        rest, source.proxy, registration.positions / scale2, registration.rotations
+    positions, rotations = _carried(
+        rest, source.proxy, registration.positions / scale2, registration.rotations, parameters.carriers
     )
-    graph = DeformationGraph(rest, edges_of(source.mesh.faces))
     # Eigenfunctions keep a point from a limb that lies close by but belongs elsewhere, and from sliding along its own.
-    # Nothing is left of them on a part, nor do curvatures hold at its rim.
-    shared = source.eigenfunctions.shape[1] if whole else 0
-    spectral1, spectral2 = (one.eigenfunctions[:, :shared].astype(np.float64) for one in (source, target))
+    # A part has other eigenfunctions than its whole, and other curvatures at its boundary.
+    n_spectral = source.eigenfunctions.shape[1] if whole else 0
+    spectral1, spectral2 = (one.eigenfunctions[:, :n_spectral].astype(np.float64) for one in (source, target))
     spectral1 = spectral1 @ functional_map(spectral1[source.proxy], spectral2[registration.image])
     appearance1, appearance2 = (
-        np.hstack([SPECTRAL * spectral, *[RELIEF * one.curvature_features] * whole])
+        np.hstack([weights.spectral * spectral, *[weights.curvature * one.curvature_features] * whole])
         for one, spectral in ((source, spectral1), (target, spectral2))
     )
-    goals = _features(there, normals2, appearance2)
-    among, beside = NearestNeighbors(goals), spatial_order(rest)
-    for data_weight in TRUST:
-        for _ in range(ROUNDS):
-            seekers = _features(positions, rotated_normals(normals1, rotations), appearance1)
-            places = there[among.nearest(seekers)]
-            if whole:
-                drawn = NearestNeighbors(seekers, beside).nearest(goals)
-                number = 1 + np.bincount(drawn, minlength=len(rest))
-                drawing = np.stack([np.bincount(drawn, axis, len(rest)) for axis in there.T], axis=1)
-                places = (drawing + places) / number[:, None]
-            positions, rotations = graph.solve(positions, places, np.full(len(rest), data_weight), STEPS)
-    return positions * scale2, rotated_normals(normals1, rotations)
+
+    def query(state: State) -> np.ndarray:
+        normals = _unit(rotated_normals(normals1, state.rotations))
+        return np.hstack([state.positions, weights.normal * normals, appearance1])
+
+    everything = np.arange(len(there))
+    state = deform(
+        DeformationGraph(rest, edges_of(source.mesh.faces)),
+        State(positions, rotations, np.zeros(len(rest), np.int64), np.ones(len(rest), bool)),
+        query,
+        Target(
+            there,
+            everything,
+            np.hstack([there, weights.normal * normals2, appearance2]),
+            everything if whole else everything[:0],
+        ),
+        parameters.dense,
+        order=spatial_order(rest),
+    )
+    return state.positions * scale2, _unit(rotated_normals(normals1, state.rotations))
 
 
-def _closest(
-    queries: np.ndarray,
-    query_normals: np.ndarray,
-    vertices: np.ndarray,
-    normals: np.ndarray,
-    faces: np.ndarray,
-    scale: float,
-) -> SurfacePoints:
-    """The points of a mesh that lie nearest to queries (q, 3) and are turned as they are."""
-    queries, there = queries / scale, vertices / scale
-    near = nearest_neighbors(_features(queries, query_normals), _features(there, normals))
-    return closest_points(there, faces, queries, near)
+def _unit(vectors: np.ndarray) -> np.ndarray:
+    return vectors / np.maximum(np.linalg.norm(vectors, axis=1, keepdims=True), np.finfo(float).tiny)
 
 
-def rotated_normals(normals: np.ndarray, rotations: np.ndarray) -> np.ndarray:
-    """Unit normals (n, 3) after turns (n, 3, 3) of rows."""
-    found = np.einsum("ni,nij->nj", normals, rotations)
-    return found / np.maximum(np.linalg.norm(found, axis=1, keepdims=True), np.finfo(float).tiny)
+def _closest(queries: np.ndarray, vertices: np.ndarray, faces: np.ndarray) -> SurfacePoints:
+    """The points of a mesh closest to queries, from positions and weighted normals (q, 6) and (n, 6)."""
+    near = nearest_neighbors(queries, vertices)
+    return closest_points(vertices[:, :3], faces, queries[:, :3], near)
 
 
-def _interpolate_deformation(
-    rest: np.ndarray, carriers: np.ndarray, positions: np.ndarray, rotations: np.ndarray
+def _carried(
+    rest: np.ndarray, carriers: np.ndarray, positions: np.ndarray, rotations: np.ndarray, number: int
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Where points (n, 3) go that some of them (p,) carry, and how they turn there: means over the nearest carriers."""
-    apart, near = cKDTree(rest[carriers]).query(rest, min(CARRIERS, len(carriers)))
-    weights = np.maximum(1 - apart / (1.001 * apart[:, -1:] + np.finfo(float).tiny), 1e-3) ** 2
+    """Positions (n, 3) and rotations (n, 3, 3) of all points, from those of some of them (p,): means of the nearest."""
+    distance, near = cKDTree(rest[carriers]).query(rest, min(number, len(carriers)))
+    weights = np.maximum(1 - distance / (1.001 * distance[:, -1:] + np.finfo(float).tiny), 1e-3) ** 2
     weights /= weights.sum(axis=1, keepdims=True)
     arms = rest[:, None] - rest[carriers[near]]
     ends = positions[near] + np.einsum("nki,nkij->nkj", arms, rotations[near])
     return np.einsum("nk,nkd->nd", weights, ends), np.einsum("nk,nkij->nij", weights, rotations[near])
-
-
-def _features(places: np.ndarray, normals: np.ndarray, *seen: np.ndarray) -> np.ndarray:
-    return np.hstack([places, NORMAL * normals, *seen])

@@ -23,6 +23,7 @@ from pathlib import Path
 from .._core.versions import software
 from ..errors import FormatError, MobiusError, SettingsError
 from ..settings import PrepareSettings
+from .parameters import SurfaceParameters
 from .surface import Surface
 
 FOLDER, SIZE = "MOBIUS_CACHE_DIR", "MOBIUS_CACHE_MB"
@@ -73,7 +74,9 @@ def cache_limit() -> int:
     return int(given) * 1_000_000
 
 
-def load_cached(mesh: str | os.PathLike[str], settings: PrepareSettings) -> Surface | None:
+def load_cached(
+    mesh: str | os.PathLike[str], settings: PrepareSettings, parameters: SurfaceParameters = SurfaceParameters()
+) -> Surface | None:
     """The surface of a mesh file, if one is kept that was made from the same bytes and settings."""
     cache_limit()  # better now than after the work
     mesh = Path(mesh)
@@ -82,11 +85,11 @@ def load_cached(mesh: str | os.PathLike[str], settings: PrepareSettings) -> Surf
     try:
         with mesh.open("rb") as file:
             sha256 = hashlib.file_digest(file, "sha256").hexdigest()
-        path = _path(mesh, sha256, settings)
+        path = _path(mesh, sha256, settings, parameters)
         if not path.exists():
             return None
         surface = Surface.load(path)
-        if (surface.mesh.sha256, surface.settings) != (sha256, settings):
+        if (surface.mesh.sha256, surface.settings, surface.parameters) != (sha256, settings, parameters):
             raise FormatError(f"{path}: of another mesh or other settings")
     except (OSError, MobiusError) as error:
         log.info("%s: prepared anew, the cache is of no use: %s", mesh.name, error)
@@ -104,7 +107,7 @@ def store(mesh: str | os.PathLike[str], surface: Surface) -> None:
     if mesh.suffix.lower() in SEVERAL_FILES:
         return
     try:
-        path = _path(mesh, surface.mesh.sha256, surface.settings)
+        path = _path(mesh, surface.mesh.sha256, surface.settings, surface.parameters)
         path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)  # meshes may be nobody else's business
         surface.save(path)
         _make_room(path.parent, cache_limit())
@@ -139,8 +142,8 @@ def _make_room(folder: Path, limit: int) -> None:
                 path.unlink(missing_ok=True)
 
 
-def _path(mesh: Path, sha256: str, settings: PrepareSettings) -> Path:
-    made_from = json.dumps([sha256, mesh.suffix.lower(), asdict(settings), _program()])
+def _path(mesh: Path, sha256: str, settings: PrepareSettings, parameters: SurfaceParameters) -> Path:
+    made_from = json.dumps([sha256, mesh.suffix.lower(), asdict(settings), asdict(parameters), _program()])
     return cache_folder() / f"{hashlib.sha256(made_from.encode()).hexdigest()}.npz"
 
 

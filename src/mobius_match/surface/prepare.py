@@ -22,10 +22,14 @@ from ..mesh.report import require_matchable
 from ..settings import PrepareSettings
 from .cache import load_cached, store
 from .flattening import choose_cut_face, flatten, vertex_positions
+from .parameters import SurfaceParameters
 from .sampling import proxy_points, sample_points
 from .simplified import simplified
 from .storage import ENDING
 from .surface import Surface
+
+LARGEST_CLOSURE = 1e-6
+"""Closure of the conjugate function above which a flattening is suspect: far above round-off, far below an edge."""
 
 
 def prepare(
@@ -34,6 +38,7 @@ def prepare(
     *,
     cache: bool = False,
     progress: Progress | None = None,
+    parameters: SurfaceParameters = SurfaceParameters(),
     **overrides: Any,
 ) -> Surface:
     """Make a mesh ready for matching.
@@ -49,6 +54,8 @@ def prepare(
         Take the surface of a mesh file from the cache if it was prepared before, else keep it there.
     progress
         Called as ``progress(stage, done, total)``.
+    parameters
+        The constants of the method.
 
     Raises
     ------
@@ -58,46 +65,40 @@ def prepare(
         If a setting is out of range.
     """
     settings = settings or PrepareSettings(**overrides)
-    return complete_preparation(thing, begin_preparation(thing, settings, cache), settings, cache, progress)
+    begun = begin_preparation(thing, settings, cache, parameters)
+    return complete_preparation(thing, begun, settings, cache, progress, parameters)
 
 
-def begin_preparation(thing: Any, settings: PrepareSettings, cache: bool) -> Surface | Mesh:
+def begin_preparation(
+    thing: Any, settings: PrepareSettings, cache: bool, parameters: SurfaceParameters
+) -> Surface | Mesh:
     """The first half of :func:`prepare`: a surface that is there already, or else the mesh that is to be prepared."""
     if isinstance(thing, Surface):
         return thing
     if isinstance(thing, str | os.PathLike):
         if os.fspath(thing).lower().endswith(ENDING):
             return Surface.load(thing)
-        kept = load_cached(thing, settings) if cache else None
+        kept = load_cached(thing, settings, parameters) if cache else None
         if kept is not None:
             return kept
     return matchable_mesh(thing)
 
 
 def complete_preparation(
-    thing: Any, found: Surface | Mesh, settings: PrepareSettings, cache: bool, progress: Progress | None
+    thing: Any,
+    begun: Surface | Mesh,
+    settings: PrepareSettings,
+    cache: bool,
+    progress: Progress | None,
+    parameters: SurfaceParameters,
 ) -> Surface:
-    """The second half of :func:`prepare`: the surface of what :func:`begin_preparation` found."""
-    if isinstance(found, Surface):
-        return found
-    surface = prepare_mesh(found, settings, progress)
+    """The second half of :func:`prepare`: the surface of what :func:`begin_preparation` gave."""
+    if isinstance(begun, Surface):
+        return begun
+    surface = prepare_mesh(begun, settings, progress, parameters)
     if cache and isinstance(thing, str | os.PathLike):
         store(thing, surface)
     return surface
-
-
-EIGENFUNCTIONS = 50
-
-
-PROXY_SIZE = 1200
-
-
-RADIUS, WIDE_RADIUS = 0.035, 0.1
-"""Widths that curvatures are smoothed to, per sqrt(area)."""
-
-
-LARGEST_CLOSURE = 1e-6
-"""Closure of the conjugate function above which a flattening is not to be trusted."""
 
 
 def matchable_mesh(thing: Any) -> Mesh:
@@ -113,17 +114,24 @@ def matchable_mesh(thing: Any) -> Mesh:
     return mesh
 
 
-def prepare_mesh(mesh: Mesh, settings: PrepareSettings, progress: Progress | None = None) -> Surface:
+def prepare_mesh(
+    mesh: Mesh,
+    settings: PrepareSettings,
+    progress: Progress | None = None,
+    parameters: SurfaceParameters = SurfaceParameters(),
+) -> Surface:
     """:func:`prepare` for a mesh that :func:`matchable_mesh` gave."""
     # One BLAS thread: these are many small calls, and sums must not depend on the number of processors.
     with threadpool_limits(limits=1, user_api="blas"):
-        return _prepare(mesh, settings, progress or (lambda stage, done, total: None))
+        return _prepare(mesh, settings, progress or (lambda stage, done, total: None), parameters)
 
 
-def _prepare(mesh: Mesh, settings: PrepareSettings, progress: Progress) -> Surface:
+def _prepare(mesh: Mesh, settings: PrepareSettings, progress: Progress, parameters: SurfaceParameters) -> Surface:
     warnings = []
     clock = _Clock()
-    mesh, detail = simplified(mesh, settings.resolution) if settings.resolution else (mesh, None)
+    mesh, detail = (
+        simplified(mesh, settings.resolution, parameters.simplification_ratio) if settings.resolution else (mesh, None)
+    )
     if detail:
         clock.lap("simplifying")
     # A box of size 1 keeps squares and areas far from overflow, whatever the units of the file.
@@ -137,7 +145,7 @@ def _prepare(mesh: Mesh, settings: PrepareSettings, progress: Progress) -> Surfa
         solver = heat_solver(triangulation)
     else:
         solver = geodesic_solver(vertices, mesh.faces, settings.geodesics)
-    samples = sample_points(triangulation, solver, settings.samples)
+    samples = sample_points(triangulation, solver, settings.samples, parameters)
     if not np.isfinite(samples.distances).all():
         raise MeshError(f"{mesh.name}: geodesic distances could not be computed; check the mesh for sliver triangles")
     if len(samples.vertices) < settings.samples:
@@ -162,16 +170,24 @@ def _prepare(mesh: Mesh, settings: PrepareSettings, progress: Progress) -> Surfa
     positions = vertex_positions(flattening, triangulation, samples.vertices, settings.placement)
     clock.lap("flattening")
     progress(f"describing {mesh.name}", 2, 3)
-    eigenvalues, eigenfunctions = eigenbasis(triangulation, EIGENFUNCTIONS)
-    signatures = wave_kernel_signature(eigenvalues, eigenfunctions[samples.vertices])
+    eigenvalues, eigenfunctions = eigenbasis(triangulation, parameters.eigenfunctions)
+    signatures = wave_kernel_signature(
+        eigenvalues,
+        eigenfunctions[samples.vertices],
+        energies=parameters.energies,
+        spread=parameters.energy_width,
+    )
+    steps = parameters.curvature_steps
     curvatures = np.stack(
         [
-            gauss_curvature(triangulation, RADIUS),
-            mean_curvature(triangulation, vertices, mesh.faces, RADIUS),
-            mean_curvature(triangulation, vertices, mesh.faces, WIDE_RADIUS),
+            gauss_curvature(triangulation, parameters.curvature_radius, steps=steps),
+            *(
+                mean_curvature(triangulation, vertices, mesh.faces, radius, steps=steps)
+                for radius in (parameters.curvature_radius, parameters.wide_curvature_radius)
+            ),
         ]
     )
-    proxy = proxy_points(areas, PROXY_SIZE, samples.vertices)
+    proxy = proxy_points(areas, parameters.proxy_size, samples.vertices)
     nearest = nearest_centres(vertices, mesh.faces, proxy)
     touching = np.sort(nearest[mesh.faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)], axis=1)
     clock.lap("descriptors")
@@ -180,6 +196,7 @@ def _prepare(mesh: Mesh, settings: PrepareSettings, progress: Progress) -> Surfa
         mesh=mesh,
         detail=detail,
         settings=settings,
+        parameters=parameters,
         samples=samples.vertices,
         n_maxima=samples.n_maxima,
         distances=distances * scale,

@@ -13,12 +13,7 @@ import numpy as np
 from ..geometry.curvature import gauss_curvature
 from ..geometry.geodesics import DistanceFunction
 from ..geometry.laplacian import IntrinsicMesh
-
-SMOOTHING_RADIUS = 0.02
-"""Width that curvature is smoothed to, in units of sqrt(area)."""
-
-MAXIMUM_RADIUS = 0.05
-"""Radius in units of sqrt(area) of the geodesic disc that a maximum of curvature has to be the largest of."""
+from .parameters import SurfaceParameters
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,7 +40,9 @@ class Samples:
         return float(self.distances.min(axis=0).max())
 
 
-def sample_points(mesh: IntrinsicMesh, distances_from: DistanceFunction, count: int) -> Samples:
+def sample_points(
+    mesh: IntrinsicMesh, distances_from: DistanceFunction, count: int, parameters: SurfaceParameters
+) -> Samples:
     """N sample points: all maxima of smoothed curvature, then the farthest point from those there are.
 
     Parameters
@@ -56,10 +53,12 @@ def sample_points(mesh: IntrinsicMesh, distances_from: DistanceFunction, count: 
         Geodesic distances from a vertex to all, as :func:`geodesic_solver` gives.
     count
         Number of samples N; a mesh with fewer vertices gives all its vertices.
+    parameters
+        The constants.
     """
     count = min(count, mesh.n_vertices)
-    radius = MAXIMUM_RADIUS * np.sqrt(mesh.areas.sum())
-    curvature = gauss_curvature(mesh, SMOOTHING_RADIUS)
+    radius = parameters.maximum_radius * np.sqrt(mesh.areas.sum())
+    curvature = gauss_curvature(mesh, parameters.sampling_smoothing, steps=parameters.curvature_steps)
     chosen: list[int] = []
     rows: list[np.ndarray] = []
     for vertex in _ring_maxima(mesh, curvature):

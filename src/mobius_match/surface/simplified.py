@@ -12,9 +12,6 @@ from ..mesh import Mesh, require_matchable
 from ..mesh.measure import unit_box
 from ..mesh.simplify import simplify
 
-LARGER = 1.5
-"""A mesh is simplified if it has so many times the vertices that it is simplified to."""
-
 
 @dataclass(frozen=True, eq=False)
 class Detail:
@@ -47,7 +44,7 @@ class Detail:
         return closest_points(both[:n], self.mesh.faces, both[n:], self.kept[points.nearest])
 
 
-def simplified(mesh: Mesh, count: int) -> tuple[Mesh, Detail | None]:
+def simplified(mesh: Mesh, count: int, ratio: float) -> tuple[Mesh, Detail | None]:
     """A mesh of about ``count`` vertices that stands for a larger one, and how the two belong together.
 
     Parameters
@@ -56,6 +53,8 @@ def simplified(mesh: Mesh, count: int) -> tuple[Mesh, Detail | None]:
         A repaired mesh that can be matched; a small one comes back as it is, without detail.
     count
         Number of vertices.
+    ratio
+        Meshes of no more than so many times the count stay as they are.
 
     Returns
     -------
@@ -64,7 +63,7 @@ def simplified(mesh: Mesh, count: int) -> tuple[Mesh, Detail | None]:
     detail
         The given mesh, and where each of its vertices lies on the simple one.
     """
-    if len(mesh.vertices) <= LARGER * count:
+    if len(mesh.vertices) <= ratio * count:
         return mesh, None
     unit = unit_box(mesh.vertices)
     kept, faces, home = simplify(unit, mesh.faces, count)

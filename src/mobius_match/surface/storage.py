@@ -17,11 +17,12 @@ from .._core.files import write_atomically
 from ..errors import FormatError
 from ..mesh import Mesh
 from ..settings import PrepareSettings
+from .parameters import SurfaceParameters
 from .simplified import Detail
 
 ENDING = ".npz"
 FORMAT = "mobius-match/surface"
-VERSION = 4
+VERSION = 5
 """To be raised whenever other numbers come out of the preparation, or go into the file."""
 
 
@@ -37,6 +38,7 @@ def save_surface(surface: Any, path: str | os.PathLike[str]) -> None:
         values |= {name: value for name, value in more[0].items() if name != "detail.mesh"}
         arrays |= more[1]
     values |= {"format": FORMAT, "version": VERSION, "settings": asdict(surface.settings)}
+    values["parameters"] = asdict(surface.parameters)
     buffer = io.BytesIO()
     arrays |= {"values": np.array(json.dumps(values, default=str))}
     np.savez(buffer, allow_pickle=False, **arrays)
@@ -65,6 +67,10 @@ def load_fields(path: str | os.PathLike[str]) -> dict[str, Any]:
         found["detail"] = None if whole is None else Detail(whole, **_taken(found, "detail."))
         found["mesh"] = _mesh(found, "mesh.")
         found["settings"], found["warnings"] = PrepareSettings(**found["settings"]), tuple(found["warnings"])
+        values = {
+            name: tuple(value) if isinstance(value, list) else value for name, value in found["parameters"].items()
+        }
+        found["parameters"] = SurfaceParameters(**values)
         return found
     except FormatError:
         raise

@@ -13,22 +13,10 @@ from scipy.sparse.csgraph import dijkstra
 from ..geometry.geodesics import graph_of, nearest_centres
 from ..geometry.spectral import wave_kernel_signature
 from ..mesh import Mesh
-from ..settings import PrepareSettings
+from ..settings import LARGEST_SPACING, PrepareSettings
+from .parameters import SurfaceParameters
 from .simplified import Detail
 from .storage import load_fields, save_surface
-
-RELIEF, FLAT = 2.0, 1.0
-"""What curvatures, in standard deviations, are multiplied by before asinh presses the great ones together, and the
-standard deviation that they are taken to have at least: a sphere has none."""
-
-NEARBY = 0.2
-"""Length per sqrt(area) up to which ways between the proxy's vertices are known: the greatest spacing of matches."""
-
-LEVELS = slice(4, None, 8)
-"""Levels of the 100 of the wave kernel signature that all vertices are described by."""
-
-LEAST_SPREAD = 0.1
-"""Standard deviation that the logarithms of a level are taken to have at least: a sphere has none."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,7 +29,7 @@ class Surface:
         The repaired mesh, or a simplified one where that is large; all vertex numbers below are its own.
     detail
         The repaired mesh and how the simplified one lies on it; None where nothing was simplified.
-    settings
+    settings, parameters
         What it was prepared with.
     samples
         (N,) int64 vertex numbers of the sample points in ``mesh`` (section 4), maxima of curvature first.
@@ -75,12 +63,13 @@ class Surface:
     timings
         Seconds that each stage took.
     warnings
-        What a user should know.
+        One line each.
     """
 
     mesh: Mesh
     detail: Detail | None
     settings: PrepareSettings
+    parameters: SurfaceParameters
     samples: np.ndarray
     n_maxima: int
     distances: np.ndarray
@@ -120,7 +109,7 @@ class Surface:
 
     @property
     def notes(self) -> list[str]:
-        """What a user should know of the mesh and its preparation, one line each."""
+        """Notes and warnings on the mesh and its preparation, one line each."""
         return [f"{self.mesh.name}: {note}" for note in (*self.mesh.notes, *self.warnings)]
 
     @property
@@ -135,24 +124,32 @@ class Surface:
 
     @cached_property
     def descriptors(self) -> np.ndarray:
-        """Wave kernel signatures (n, 12) of all vertices: logarithms, 0 on average, squares of a row sum to about 1."""
-        found = np.log(wave_kernel_signature(self.eigenvalues, self.eigenfunctions)[:, LEVELS] + np.finfo(float).eps)
-        spread = np.maximum(found[self.proxy].std(axis=0), LEAST_SPREAD)
-        found = (found - found[self.proxy].mean(axis=0)) / spread
-        return np.asarray(found / np.sqrt(found.shape[1]), np.float32)
+        """Standardised logarithms of wave kernel signatures (n, 12) float32 of all vertices; rows of length about 1."""
+        first, step = self.parameters.descriptor_levels
+        signatures = wave_kernel_signature(
+            self.eigenvalues,
+            self.eigenfunctions,
+            energies=self.parameters.energies,
+            spread=self.parameters.energy_width,
+        )
+        levels = np.log(signatures[:, first::step] + np.finfo(float).eps)
+        deviation = np.maximum(levels[self.proxy].std(axis=0), self.parameters.descriptor_floor)
+        levels = (levels - levels[self.proxy].mean(axis=0)) / deviation
+        return np.asarray(levels / np.sqrt(levels.shape[1]), np.float32)
 
     @cached_property
     def curvature_features(self) -> np.ndarray:
-        """Gauss and mean curvature (n, 2) float32 of all vertices, for comparison: from the median, about 1 in size."""
-        median, spread = (f(self.curvatures[:2, self.proxy], axis=1) for f in (np.median, np.std))
-        return np.arcsinh(RELIEF * (self.curvatures[:2].T - median) / np.maximum(spread, FLAT))
+        """Gauss and mean curvature (n, 2) float32 of all vertices: from the median, large ones compressed by asinh."""
+        median, deviation = (f(self.curvatures[:2, self.proxy], axis=1) for f in (np.median, np.std))
+        deviation = np.maximum(deviation, self.parameters.curvature_floor)
+        return np.arcsinh(self.parameters.curvature_gain * (self.curvatures[:2].T - median) / deviation)
 
     @cached_property
     def proxy_geodesics(self) -> np.ndarray:
-        """Lengths (P, P) per sqrt(area) of the shortest ways along the proxy's edges; infinite beyond 0.2."""
+        """Geodesic distances (P, P) per sqrt(area) along the proxy's edges; infinite beyond the largest spacing."""
         graph = graph_of(self.mesh.vertices[self.proxy], self.proxy_edges)
         graph.data /= np.sqrt(self.area)
-        return np.asarray(dijkstra(graph, directed=False, limit=NEARBY))
+        return np.asarray(dijkstra(graph, directed=False, limit=LARGEST_SPACING))
 
     @cached_property
     def nearest_proxy(self) -> np.ndarray:

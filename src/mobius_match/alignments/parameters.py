@@ -1,0 +1,136 @@
+"""The constants of candidate alignments and of the choice between them; docs/method.md has the formulas."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from .._core.parameters import AREA, HAND, parameter
+from ..registration.parameters import RegistrationParameters
+
+
+@dataclass(frozen=True)
+class TransportParameters:
+    """Unbalanced optimal transport between points in a space of features."""
+
+    sharpness: float = parameter(
+        0.45, "temperature, per median squared distance to the neighbor of that number", origin=HAND
+    )
+    neighbor: int = parameter(10, "number of the neighbor that scales the temperature", origin=HAND)
+    iterations: int = parameter(10, "Sinkhorn iterations", origin=HAND)
+    balance: float = parameter(
+        0.8, "exponent of the target's marginal: 1 leaves no point over, 0 gives the nearest point alone", origin=HAND
+    )
+
+
+@dataclass(frozen=True)
+class CoarseMapParameters:
+    """A map of the whole proxy from a few matches."""
+
+    match_radius: float = parameter(
+        0.3, "the influence of a match falls to 1/e at this distance in the first map", unit=AREA, origin=HAND
+    )
+    upsampling: tuple[int, ...] = parameter(
+        (20, 30, 40, 50), "numbers of eigenfunctions of the successive refinements", origin=HAND
+    )
+    thinning: int = parameter(2, "all maps but the last use every so many-th point of the proxies", origin=HAND)
+    quick_thinning: int = parameter(4, "the same where many candidates are compared", origin=HAND)
+    descriptor_weight: float = parameter(
+        0.4, "weight of descriptors against eigenfunctions, by root mean square", origin=HAND
+    )
+    transport: TransportParameters = TransportParameters()
+
+
+@dataclass(frozen=True)
+class ClusterParameters:
+    """Clusters of the best triplets, by where they send the samples."""
+
+    radius: float = parameter(0.2, "largest mean distance of the samples' images in a cluster", unit=AREA, origin=HAND)
+    least_weight: float = parameter(
+        0.6, "clusters whose best triplet weighs less than this share of the best of all are dropped", origin=HAND
+    )
+    most: int = parameter(8, "clusters at most", origin=HAND)
+    most_matches: int = parameter(60, "matches that a cluster agrees on, at most", origin=HAND)
+
+
+@dataclass(frozen=True)
+class ExtremityParameters:
+    """Extremities of two surfaces, matched in every likely way."""
+
+    radius: float = parameter(
+        0.25, "an extremity is farther from the rest than all samples within this distance", unit=AREA, origin=HAND
+    )
+    most: int = parameter(6, "extremities of a surface at most", origin=HAND)
+    likely: int = parameter(120, "ways to match them that are looked at", origin=HAND)
+    tried: int = parameter(5, "ways to match them that become candidates", origin=HAND)
+    softening: float = parameter(0.1, "added to distances before their logarithm", unit=AREA, origin=HAND)
+    omission_cost: float = parameter(0.05, "cost of leaving an extremity out", origin=HAND)
+
+
+@dataclass(frozen=True)
+class CostWeights:
+    """Weights of the terms of an alignment's cost.
+
+    Parameters
+    ----------
+    distances
+        Mean absolute difference of the logarithms of geodesic distances.
+    laplacian
+        Relative Frobenius norm of the functional map's commutator with the Laplacian.
+    mean_curvature, gauss_curvature
+        1 - rank correlation of the curvatures.
+    landmarks
+        Mean displacement of landmarks beyond the tolerance, per sqrt(area).
+    """
+
+    distances: float = 5.0
+    laplacian: float = 3.0
+    mean_curvature: float = 1.0
+    gauss_curvature: float = 3.0
+    landmarks: float = 20.0
+
+
+@dataclass(frozen=True)
+class CostParameters:
+    """The cost of an alignment."""
+
+    weights: CostWeights = parameter(CostWeights(), "weight of each term", origin=HAND)
+    eigenfunctions: int = parameter(20, "eigenfunctions of the Laplacian term", origin=HAND)
+    softening: float = parameter(0.1, "added to distances before their logarithm", unit=AREA, origin=HAND)
+
+
+@dataclass(frozen=True)
+class SelectionParameters:
+    """What is done, and how much of it, until an alignment is chosen; costs have no unit."""
+
+    extremities_above: float = parameter(
+        1.5, "cost of the best candidate above which extremities are matched as well", origin=HAND
+    )
+    different_above: float = parameter(
+        2.0, "cost of the best candidate above which the two shapes differ in more than their pose", origin=HAND
+    )
+    contest_margin: float = parameter(1.5, "margin up to which candidates are compared by registration", origin=HAND)
+    most_contenders: int = parameter(4, "candidates compared at most", origin=HAND)
+    hopeless_margin: float = parameter(
+        3.0, "margin after coarse registration above which a candidate is not registered fully", origin=HAND
+    )
+    ambiguous_margin: float = parameter(0.3, "margin below which the choice is called ambiguous", origin=HAND)
+    repeats: int = parameter(4, "repeated registrations of the chosen alignment where shapes differ", origin=HAND)
+    averaged: int = parameter(3, "of these, the last whose positions are averaged", origin=HAND)
+    averaging_radius: float = parameter(
+        0.05, "positions farther than this from the best are left out of the average", unit=AREA, origin=HAND
+    )
+    slimmer_ratio: float = parameter(
+        1.05, "ratio of mean distances above which the target is the one that is deformed", origin=HAND
+    )
+
+
+@dataclass(frozen=True)
+class AlignmentParameters:
+    """The constants of all that leads from two prepared surfaces to an alignment."""
+
+    registration: RegistrationParameters = RegistrationParameters()
+    coarse_map: CoarseMapParameters = CoarseMapParameters()
+    clusters: ClusterParameters = ClusterParameters()
+    extremities: ExtremityParameters = ExtremityParameters()
+    cost: CostParameters = CostParameters()
+    selection: SelectionParameters = SelectionParameters()

@@ -1,0 +1,47 @@
+"""The constants of preparation, sections 4 and 5 and the descriptors; docs/method.md has the formulas."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from .._core.parameters import AREA, HAND, parameter
+
+
+@dataclass(frozen=True)
+class SurfaceParameters:
+    """How a mesh is made ready for matching."""
+
+    simplification_ratio: float = parameter(
+        1.5, "meshes of more vertices than this times the resolution are simplified", origin=HAND
+    )
+    sampling_smoothing: float = parameter(
+        0.02, "width to which Gauss curvature is smoothed before its maxima are sought", unit=AREA, origin=HAND
+    )
+    maximum_radius: float = parameter(
+        0.05, "radius of the geodesic disc that a maximum of curvature is the largest of", unit=AREA, origin=HAND
+    )
+    proxy_size: int = parameter(1200, "vertices that stand for the surface", origin="time: its square enters the maps")
+    eigenfunctions: int = parameter(50, "eigenfunctions of the Laplacian", origin=HAND)
+    curvature_radius: float = parameter(
+        0.035, "width to which curvatures are smoothed for comparison", unit=AREA, origin=HAND
+    )
+    wide_curvature_radius: float = parameter(
+        0.1, "width to which the mean curvature of the cost is smoothed", unit=AREA, origin=HAND
+    )
+    curvature_steps: int = parameter(5, "implicit steps of the heat equation that smooth curvature", origin=HAND)
+    curvature_gain: float = parameter(
+        2.0, "curvatures in standard deviations are multiplied by this before asinh", origin=HAND
+    )
+    curvature_floor: float = parameter(
+        1.0, "least standard deviation of curvature: a sphere has none", unit="1/area", origin=HAND
+    )
+    energies: int = parameter(100, "energies of the wave kernel signature", origin="Aubry et al. 2011")
+    energy_width: float = parameter(
+        7.0, "width of its energies' Gaussians, in distances between energies", origin="Aubry et al. 2011"
+    )
+    descriptor_levels: tuple[int, int] = parameter(
+        (4, 8), "first energy and step of the levels that describe all vertices", origin=HAND
+    )
+    descriptor_floor: float = parameter(
+        0.1, "least standard deviation of the logarithm of a level: a sphere has none", origin=HAND
+    )
