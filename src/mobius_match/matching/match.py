@@ -27,7 +27,7 @@ from ..surface.sampling import thin_out
 from ..surface.surface import Surface
 from ..voting.assignment import linear_assignment, max_row_column, normalized, recover
 from ..voting.votes import Votes, cast_votes
-from .partial.part import DISTRUST, LACKING, PartMatch, both_incomplete, match_part
+from .partial.part import DISTRUST, Coverage, PartMatch, coverage_of_pair, match_part
 from .partial.place import OPEN, boundary_length
 
 if TYPE_CHECKING:
@@ -38,9 +38,6 @@ VOTES_THRESHOLD = 0.1
 
 CHANCE_THRESHOLD = 0.5
 """Confidence, as a chance of being right, below which a match under an explanation is left out."""
-
-ALIKE = 1.0
-"""Badness of an explanation below which two open surfaces are the same as wholes, and neither a part of the other."""
 
 
 def match(
@@ -127,18 +124,20 @@ def match(
         found: list[Alignment] = []
         if places is None or boundary_length(places.whole) > OPEN:
             votes, found = alignments_with_landmarks(first, second, votes, chosen, constraints)
-            if places and found and found[0].cost < ALIKE:
-                places, of_parts = None, []
-            if not places and found and both_incomplete(first, second, found[0].cost):
-                of_parts.append(LACKING)
-            found = [] if places else rerank_by_registration(first, second, found, chosen.jobs)
+        cost = found[0].cost if found else None
+        coverage, of_parts = coverage_of_pair(first, second, places, of_parts, cost)
+        if coverage is Coverage.PART:
+            found = []
+        else:
+            places, found = None, rerank_by_registration(first, second, found, chosen.jobs)
         timings["alignments"] = time.perf_counter() - begin
         begin = time.perf_counter()
         if places:
             here, voted = first.samples, np.ones(len(first.samples), bool)
             matches = _reported(first, second, here, places.points, places.match_probabilities, voted, chosen)
         elif found:
-            matches = _explained(first, second, votes, found[0], chosen, DISTRUST if LACKING in of_parts else 1.0)
+            trust = DISTRUST if coverage is Coverage.BOTH_INCOMPLETE else 1.0
+            matches = _explained(first, second, votes, found[0], chosen, trust)
         else:
             matches = _voted(first, second, votes, chosen)
         matches = with_given_pairs(matches, constraints, second)

@@ -170,7 +170,7 @@ def test_halves_that_lack_each_other(wholes):
     halves = []
     for surface, side in zip(wholes["person"], (1.0, -1.0), strict=True):
         halves.append(cut(surface.mesh.vertices, surface.mesh.faces, 1, side)[:2])
-    with pytest.raises(mm.NothingFoundError, match="long boundar"):
+    with pytest.raises(mm.NothingFoundError, match="large openings"):
         mm.match(*halves)
 
 

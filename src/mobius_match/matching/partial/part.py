@@ -12,6 +12,7 @@ from __future__ import annotations
 import os
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from enum import Enum
 
 import numpy as np
 
@@ -42,15 +43,25 @@ WORST, LOOSEST, UNLIKE = 1.95, 0.0135, 0.5
 """Badness of a place, mean distance of the bent part from the whole, and 1 - the rank correlation of their mean
 curvatures, above which the one is no part of the other."""
 
-STRANGE = 3.5
-"""Badness of an explanation above which two surfaces with long boundaries are hardly the same as wholes."""
+ALIKE, STRANGE = 1.0, 3.5
+"""Cost of an alignment of two surfaces with large openings: below the first they correspond as wholes, and neither is a
+part of the other; above the second each of them may lack something that the other one has."""
 
-LACKING = (
-    "both have long boundaries, and hardly agree as wholes: if each lacks what the other has, matches are wrong; their "
-    "confidence was halved"
-)
 DISTRUST = 0.5
 """What chances are multiplied by then."""
+
+
+class Coverage(Enum):
+    """How much of each other two surfaces cover."""
+
+    WHOLE = "whole"
+    """Each of them covers the other one."""
+
+    PART = "part"
+    """One of them is a part of the other one."""
+
+    BOTH_INCOMPLETE = "both incomplete"
+    """Each of them may lack something that the other one has."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -142,9 +153,38 @@ def is_part(surface: Surface, other: Surface) -> bool:
     return not LARGEST < share < 1 / LARGEST and opening > max(OPEN, boundary_length(other) / CLOSED)
 
 
-def both_incomplete(source: Surface, target: Surface, cost: float) -> bool:
-    """Whether each of two surfaces may lack what the other has, by how badly they agree as wholes."""
-    return cost > STRANGE and min(boundary_length(source), boundary_length(target)) > OPEN
+def coverage_of_pair(
+    source: Surface, target: Surface, part_match: PartMatch | None, notes: list[str], cost: float | None
+) -> tuple[Coverage, list[str]]:
+    """Decide between a match of wholes and a match of a part, once the surfaces have been aligned as wholes.
+
+    Parameters
+    ----------
+    source, target
+        The surfaces.
+    part_match, notes
+        The result of :func:`match_part`.
+    cost
+        Cost of the best alignment of the two as wholes; None if there is none.
+
+    Returns
+    -------
+    coverage
+        How much of each other the surfaces cover.
+    notes
+        What the user should know about it, a line each.
+    """
+    if part_match is not None:
+        if cost is not None and cost < ALIKE:
+            return Coverage.WHOLE, []
+        return Coverage.PART, notes
+    if cost is not None and cost > STRANGE and min(boundary_length(source), boundary_length(target)) > OPEN:
+        return Coverage.BOTH_INCOMPLETE, [
+            *notes,
+            f"{source.mesh.name} and {target.mesh.name} both have large openings and differ as wholes: where each "
+            "lacks a part of the other, matches are wrong; their confidence was halved",
+        ]
+    return Coverage.WHOLE, notes
 
 
 def likely_size(pair: PartPair, share: float, seed: int, pool: ThreadPoolExecutor) -> float:
