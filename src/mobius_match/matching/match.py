@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Unpack
 
 import numpy as np
 from threadpoolctl import threadpool_limits
@@ -21,8 +21,9 @@ from ..geometry.points import SurfacePoints, closest_points
 from ..landmarks.constraints import LandmarkConstraints, landmark_constraints, with_given_pairs
 from ..registration.confidence import distances_to_images, match_probabilities
 from ..results.correspondence import Alternative, Correspondence
-from ..settings import MatchSettings, make_settings
+from ..settings import MatchOptions, MatchSettings, Preset, make_settings
 from ..surface.prepare import begin_preparation, complete_preparation
+from ..surface.prepared import check_effective, settings_used
 from ..surface.sampling import thin_out
 from ..surface.surface import Surface
 from ..voting.assignment import linear_assignment, max_row_column, normalized, recover
@@ -47,28 +48,28 @@ def match(
     source: Any,
     target: Any,
     *,
-    preset: str | None = None,
+    preset: Preset | None = None,
     landmarks: Any = None,
     cache: bool = False,
     progress: Progress | None = None,
-    **settings: Any,
+    **settings: Unpack[MatchOptions],
 ) -> Correspondence:
-    """Find which vertex of one surface is which vertex of another.
+    """Find matching points between two surfaces.
 
     Parameters
     ----------
     source, target
-        Each a path of a mesh file, ``(vertices, faces)``, any object with both, or a prepared :class:`Surface` or the
-        file (.npz) of one, which keep the preparation that they were made with.
+        Each a path of a mesh file, ``(vertices, faces)`` as arrays of shapes (n, 3) and (m, 3), any object that has
+        both, or a prepared :class:`Surface` or the file (.npz) of one. Prepared surfaces are used as they are.
     preset
         ``"paper"`` for the settings of the publication.
     landmarks
-        Pairs that are known: (k, 2) vertex numbers counting from 0, a file of pairs, or the source's and the target's
-        files of landmarks; see :func:`mobius_match.landmarks.constraints.landmark_constraints`. They are in the result
-        with confidence 1, and guide all other matches.
+        Known pairs: (k, 2) vertex numbers counting from 0, a file of pairs, or the source's and the target's files of
+        landmarks; see :func:`mobius_match.landmarks.constraints.landmark_constraints`. They are in the result with
+        confidence 1, and guide all other matches.
     cache
-        Take the surfaces of mesh files from the cache if they were prepared before, else keep them there. The result
-        does not depend on it.
+        If a mesh file was prepared before, read its surface from the cache; else store it there. The result does not
+        depend on it.
     progress
         Called as ``progress(stage, done, total)`` from the calling thread.
     **settings
@@ -77,16 +78,21 @@ def match(
     Returns
     -------
     Correspondence
-        The pairs, the most confident first.
+        The pairs, the most confident first. Its settings are those that took effect: of a prepared surface, the ones
+        that it was prepared with.
 
     Raises
     ------
     MeshError
         If a mesh cannot be read or used.
     SettingsError
-        If a setting is unknown or out of range.
+        If a setting is unknown or out of range, or was given and a prepared surface has another value of it.
     NothingFoundError
         If no triplet of points gained a vote, or no match is likely enough to be right.
+
+    References
+    ----------
+    Y. Lipman and T. Funkhouser, "Möbius Voting for Surface Correspondence", ACM Transactions on Graphics 28 (3), 2009.
 
     Examples
     --------
@@ -105,6 +111,8 @@ def match(
     preparation = chosen.preparation()
     things = source, target
     begun = map_threads(lambda i, _: begin_preparation(things[i], preparation, cache), 2, chosen.jobs, progress)
+    for argument, half in zip(("source", "target"), begun, strict=True):
+        check_effective(half, argument, settings, preset)
     timings = {"reading": time.perf_counter() - start}
     begin = time.perf_counter()
     surfaces = map_threads(
@@ -115,6 +123,7 @@ def match(
             timings |= {f"{side} {name}": seconds for name, seconds in surface.timings.items()}
     timings["preparation"] = time.perf_counter() - begin
     first, second = surfaces
+    chosen, differing, of_preparation = settings_used(chosen, first.settings, second.settings)
     begin = time.perf_counter()
     constraints, notes = (None, []) if landmarks is None else landmark_constraints(landmarks, first, second)
     votes = cast_votes(first, second, chosen, progress)
@@ -155,6 +164,7 @@ def match(
         target_info=second.info,
         settings={
             **chosen.to_dict(),
+            **differing,
             "preset": preset,
             "votes": votes.n_triplets,
             **({} if constraints is None else {"landmarks": constraints.pairs.tolist()}),
@@ -167,7 +177,15 @@ def match(
             "triplets": votes.n_triplets,
             "voting triplets": votes.n_voting,
         },
-        warnings=(*first.notes, *second.notes, *votes.warnings, *of_parts, *notes, *ambiguity_warnings(found)),
+        warnings=(
+            *first.notes,
+            *second.notes,
+            *of_preparation,
+            *votes.warnings,
+            *of_parts,
+            *notes,
+            *ambiguity_warnings(found),
+        ),
         others=partial(_alternatives, first, second, votes, found, chosen),
         spread=partial(_spread, first, second, votes, places or found, chosen, constraints),
         source=first,
