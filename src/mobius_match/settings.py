@@ -1,14 +1,28 @@
-"""Every setting of the method in two frozen records, checked when they are made."""
+"""Every setting of the method in two frozen records, checked when they are made.
+
+The same settings stand in typed dictionaries, so that an editor completes the keywords of :func:`mobius_match.match`;
+a test compares the two.
+"""
 
 from __future__ import annotations
 
+import difflib
+from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass, fields, replace
-from typing import Any
+from typing import Any, Literal, TypedDict, get_args
 
 from .errors import SettingsError
 
 LARGEST_SPACING = 0.2
 """Largest spacing of matches per sqrt(area)."""
+
+Geodesics = Literal["heat", "dijkstra"]
+Triangulation = Literal["delaunay", "mesh"]
+Placement = Literal["mean", "closest"]
+Proposal = Literal["guided", "uniform"]
+Distance = Literal["euclidean", "spherical"]
+Assignment = Literal["greedy", "linear"]
+Preset = Literal["paper"]
 
 PAPER_VOTES_PER_TRIPLET = 10
 """Section 9: about ten votes are cast for each of the N**3 correct triplets ..."""
@@ -21,8 +35,26 @@ def _check(condition: bool, what: str, value: object, remedy: str) -> None:
         raise SettingsError(f"{what} is {value!r}; {remedy}")
 
 
-def _check_choice(what: str, value: object, choices: tuple[str, ...]) -> None:
+def _check_choice(what: str, value: object, kind: Any) -> None:
+    choices = get_args(kind)
     _check(value in choices, what, value, f"choose one of {', '.join(choices)}")
+
+
+def check_names(names: Iterable[str], known: Iterable[str], function: str) -> None:
+    """Refuse keywords that are no settings of a function, and name the one that was probably meant.
+
+    Raises
+    ------
+    SettingsError
+        For the first name that is not known.
+    """
+    known = sorted(known)
+    for name in names:
+        if name in known:
+            continue
+        close = difflib.get_close_matches(name, known, n=1)
+        hint = f"did you mean {close[0]!r}? Its" if close else "its"
+        raise SettingsError(f"{function} has no setting {name!r}; {hint} settings are {', '.join(known)}")
 
 
 def _check_whole(what: str, value: object, least: int, most: int) -> None:
@@ -57,16 +89,16 @@ class PrepareSettings:
     """
 
     samples: int = 100
-    geodesics: str = "heat"
-    triangulation: str = "delaunay"
-    placement: str = "mean"
+    geodesics: Geodesics = "heat"
+    triangulation: Triangulation = "delaunay"
+    placement: Placement = "mean"
     resolution: int = 8000
 
     def __post_init__(self) -> None:
         _check_whole("samples", self.samples, 4, 5000)
-        _check_choice("geodesics", self.geodesics, ("heat", "dijkstra"))
-        _check_choice("triangulation", self.triangulation, ("delaunay", "mesh"))
-        _check_choice("placement", self.placement, ("mean", "closest"))
+        _check_choice("geodesics", self.geodesics, Geodesics)
+        _check_choice("triangulation", self.triangulation, Triangulation)
+        _check_choice("placement", self.placement, Placement)
         _check_whole("resolution", self.resolution, 0, 10**9)
 
 
@@ -106,11 +138,11 @@ class MatchSettings(PrepareSettings):
     """
 
     votes: int | None = None
-    proposal: str = "guided"
-    distance: str = "euclidean"
+    proposal: Proposal = "guided"
+    distance: Distance = "euclidean"
     min_fraction: float | None = None
     epsilon: float = 0.01
-    assignment: str = "greedy"
+    assignment: Assignment = "greedy"
     threshold: float | None = None
     recovery_radius: float = 0.05
     spacing: float = 0.025
@@ -121,8 +153,8 @@ class MatchSettings(PrepareSettings):
         super().__post_init__()
         if self.votes is not None:
             _check_whole("votes", self.votes, 1, 10**10)
-        _check_choice("proposal", self.proposal, ("guided", "uniform"))
-        _check_choice("distance", self.distance, ("euclidean", "spherical"))
+        _check_choice("proposal", self.proposal, Proposal)
+        _check_choice("distance", self.distance, Distance)
         for name in ("min_fraction", "threshold", "recovery_radius"):
             value = getattr(self, name)
             if value is not None:
@@ -130,7 +162,7 @@ class MatchSettings(PrepareSettings):
         _check_number("spacing", self.spacing, LARGEST_SPACING)
         _check(isinstance(self.epsilon, int | float), "epsilon", self.epsilon, "give a positive number")
         _check(0 < self.epsilon < float("inf"), "epsilon", self.epsilon, "give a positive number")
-        _check_choice("assignment", self.assignment, ("greedy", "linear"))
+        _check_choice("assignment", self.assignment, Assignment)
         _check_whole("seed", self.seed, 0, 2**63 - 1)
         if self.jobs is not None:
             _check_whole("jobs", self.jobs, 1, 1024)
@@ -171,17 +203,73 @@ PRESETS: dict[str, dict[str, Any]] = {
 """Named groups of settings. "paper": what the publication used for its figures 8 and 9."""
 
 
+class PrepareOptions(TypedDict, total=False):
+    """The fields of :class:`PrepareSettings`, as keywords."""
+
+    samples: int
+    geodesics: Geodesics
+    triangulation: Triangulation
+    placement: Placement
+    resolution: int
+
+
+class SymmetryOptions(PrepareOptions, total=False):
+    """The settings of :func:`mobius_match.symmetry`, as keywords."""
+
+    votes: int | None
+    seed: int
+    jobs: int | None
+
+
+class MatchOptions(SymmetryOptions, total=False):
+    """The fields of :class:`MatchSettings`, as keywords."""
+
+    proposal: Proposal
+    distance: Distance
+    min_fraction: float | None
+    epsilon: float
+    assignment: Assignment
+    threshold: float | None
+    recovery_radius: float
+    spacing: float
+
+
 def make_settings(preset: str | None = None, **overrides: Any) -> MatchSettings:
-    """Settings from a preset's values and the caller's own on top of them.
+    """Settings from a preset's values, with the caller's own values in place of them.
 
     Raises
     ------
     SettingsError
         For an unknown preset or setting, or a value that is out of range.
     """
-    if preset is not None:
-        _check_choice("preset", preset, tuple(PRESETS))
-    known = {f.name for f in fields(MatchSettings)}
-    for name in overrides:
-        _check(name in known, "setting", name, f"known settings are {', '.join(sorted(known))}")
-    return replace(MatchSettings(), **{**(PRESETS[preset] if preset else {}), **overrides})
+    check_names(overrides, (f.name for f in fields(MatchSettings)), "match")
+    return replace(MatchSettings(), **{**_of_preset(preset), **overrides})
+
+
+def make_prepare_settings(
+    settings: PrepareSettings | None, preset: str | None, overrides: Mapping[str, Any]
+) -> PrepareSettings:
+    """Settings of a preparation: a record, a preset's values in place of its own, and the caller's in place of these.
+
+    Raises
+    ------
+    SettingsError
+        For an unknown preset or setting, or a value that is out of range.
+    """
+    known = [f.name for f in fields(PrepareSettings)]
+    check_names(overrides, known, "prepare")
+    if settings is None:
+        settings = PrepareSettings()
+    elif not isinstance(settings, PrepareSettings):
+        raise SettingsError(f"settings is {settings!r}; give a PrepareSettings, or its fields as keywords")
+    elif isinstance(settings, MatchSettings):
+        settings = settings.preparation()
+    of_preset = {name: value for name, value in _of_preset(preset).items() if name in known}
+    return replace(settings, **{**of_preset, **overrides})
+
+
+def _of_preset(preset: str | None) -> dict[str, Any]:
+    if preset is None:
+        return {}
+    _check_choice("preset", preset, Preset)
+    return PRESETS[preset]

@@ -36,7 +36,7 @@ def test_files_in_place_of_meshes_give_the_same_result(mobius, pair, tmp_path):
     assert sorted(files[0].parent.iterdir()) == files
     for number, inputs in enumerate((pair[:2], files, (files[0], pair[1]))):
         ended = mobius("match", *inputs, *QUICK, "-o", tmp_path / f"{number}.json")
-        assert (ended.code, "stays prepared" in ended.err) == (0, False)
+        assert (ended.code, "prepared with" in ended.err) == (0, False)
     assert content(tmp_path / "0.json") == content(tmp_path / "1.json") == content(tmp_path / "2.json")
     assert mobius("match", *files).out.count("one.off") == 1
 
@@ -83,12 +83,16 @@ def test_wrong_usage(mobius, pair, tmp_path):
     assert mobius("prepare", pair[0], "-o", pair[1]).code == 2
 
 
-def test_options_that_a_prepared_file_does_not_follow_are_told(mobius, pair, tmp_path):
+def test_options_that_a_prepared_file_does_not_follow_are_refused(mobius, pair, tmp_path):
     mobius("prepare", pair[0], "-o", tmp_path, "--samples", 30, "--quiet")
-    ended = mobius("match", tmp_path / "one.npz", pair[1], "--samples", 31, "--votes", 2000)
-    assert "one.off: stays prepared with samples 30\n" in ended.err
-    assert "two.off" not in ended.err
-    assert "stays" not in mobius("match", tmp_path / "one.npz", pair[1], "--votes", 2000).err
+    for command in (("match", tmp_path / "one.npz", pair[1]), ("symmetry", tmp_path / "one.npz")):
+        ended = mobius(*command, "--samples", 31, "--votes", 2000)
+        assert (ended.code, ended.out) == (2, "")
+        assert "but the " in ended.err
+        assert "one.off was prepared with samples 30" in ended.err
+    ended = mobius("match", tmp_path / "one.npz", pair[1], "--votes", 2000)
+    assert ended.code == 0
+    assert "prepared with different settings (samples 30 and 100)" in ended.err
 
 
 def test_other_archives_and_missing_files_are_refused(mobius, pair, tmp_path):

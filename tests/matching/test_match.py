@@ -83,7 +83,7 @@ def test_shipped_pairs_reach_their_floor(name):
 @pytest.mark.parametrize("options", [{}, {"preset": "paper", "votes": 60_000}])
 def test_same_seed_same_result_whatever_the_threads(options):
     pair = examples.paths("quadruped")
-    surfaces = [mm.prepare(path) for path in pair]
+    surfaces = [mm.prepare(path, preset=options.get("preset")) for path in pair]
     results = [mm.match(*surfaces, seed=5, jobs=jobs, **options) for jobs in (1, 2, 1, 3)]
     fresh = mm.match(*pair, seed=5, jobs=2, **options) if not options else results[0]
     for other in (*results[1:], fresh):

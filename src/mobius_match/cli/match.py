@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import io
-from dataclasses import asdict
 from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -18,7 +17,6 @@ if TYPE_CHECKING:
     from rich.table import Table
 
     from ..results.correspondence import Correspondence
-    from ..surface.surface import Surface
 
 Quiet = Annotated[bool, Option("--quiet", "-q", help="Show results and errors only.")]
 Verbose = Annotated[bool, Option("--verbose", "-v", help="Show timings, and the traceback of an error.")]
@@ -201,23 +199,8 @@ def run_match(
         result = match_surfaces(
             source, target, landmarks=landmarks, cache=cache, progress=reporter.progress, **settings
         )
-    for surface in (result.source, result.target):
-        reporter.notes(prepared_otherwise(surface, settings))
     reporter.notes(result.warnings)
     return result
-
-
-def prepared_otherwise(surface: Surface | None, settings: dict[str, Any]) -> list[str]:
-    """A note if settings were given that the surface, which a file held, was not prepared with."""
-    from ..settings import make_settings
-
-    if surface is None:
-        return []
-    wanted, held = asdict(make_settings(**settings).preparation()), asdict(surface.settings)
-    if not settings.keys() & {"preset", *held}:
-        return []
-    others = [f"{name} {value}" for name, value in held.items() if value != wanted[name]]
-    return [f"{surface.mesh.name}: stays prepared with {', '.join(others)}"] if others else []
 
 
 def draw(result: Correspondence, **options: Any) -> bytes:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 from typer import Argument, Option
 
 from .common import Reporter, say
-from .match import NoCache, Quiet, Verbose, draw, prepared_otherwise
+from .match import NoCache, Quiet, Verbose, draw
 from .output import STDOUT, check_output, print_table, to_json, write
 
 if TYPE_CHECKING:
@@ -72,7 +72,6 @@ def symmetry(
 
     with Reporter(quiet, verbose) as reporter, reporter.compiling():
         result = find_symmetry(mesh, cache=not no_cache, progress=reporter.progress, **settings)
-        reporter.notes(prepared_otherwise(result.source, settings))
         reporter.notes(result.warnings)
         content = to_json(result.to_dict())
         if picture is not None:

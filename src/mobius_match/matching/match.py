@@ -1,89 +1,87 @@
-"""The whole method: two meshes in, correspondences out."""
+"""The whole method: two meshes in, correspondences out, in the stages of the paper's overview (section 3)."""
 
 from __future__ import annotations
 
 import time
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import Any, Unpack
 
-import numpy as np
 from threadpoolctl import threadpool_limits
 
 from .._core.threads import Progress, map_threads
 from .._core.versions import software
 from ..alignments.alignment import Alignment
 from ..alignments.candidates import alignments_with_landmarks
-from ..alignments.coarse_map import coarse_map
-from ..alignments.groups import TRUSTED
 from ..alignments.selection import ambiguity_warnings, rerank_by_registration
 from ..errors import NothingFoundError, SettingsError
-from ..geometry.points import SurfacePoints, closest_points
 from ..landmarks.constraints import LandmarkConstraints, landmark_constraints, with_given_pairs
-from ..registration.confidence import distances_to_images, match_probabilities
 from ..results.correspondence import Alternative, Correspondence
-from ..settings import MatchSettings, make_settings
+from ..results.surface_map import SurfaceMap
+from ..settings import MatchOptions, MatchSettings, Preset, make_settings
 from ..surface.prepare import begin_preparation, complete_preparation
-from ..surface.sampling import thin_out
+from ..surface.prepared import check_effective, settings_used
 from ..surface.surface import Surface
-from ..voting.assignment import linear_assignment, max_row_column, normalized, recover
 from ..voting.votes import Votes, cast_votes
-from .partial.part import DISTRUST, Coverage, PartMatch, coverage_of_pair, match_part
+from .parameters import Parameters
+from .partial.part import Coverage, PartMatch, coverage_of_pair, match_part
 from .partial.place import OPEN, boundary_length
-
-if TYPE_CHECKING:
-    from ..results.surface_map import SurfaceMap
-
-VOTES_THRESHOLD = 0.1
-"""Confidence S, as a share of the votes, below which a pair needs the others to bear it out (section 8)."""
-
-CHANCE_THRESHOLD = 0.5
-"""Confidence, as a chance of being right, below which a match under an explanation is left out."""
+from .reading import aligned_matches, dense_map_of_part, dense_map_of_whole, part_matches, voted_matches
 
 
 def match(
     source: Any,
     target: Any,
     *,
-    preset: str | None = None,
+    preset: Preset | None = None,
     landmarks: Any = None,
     cache: bool = False,
     progress: Progress | None = None,
-    **settings: Any,
+    parameters: Parameters = Parameters(),
+    **settings: Unpack[MatchOptions],
 ) -> Correspondence:
-    """Find which vertex of one surface is which vertex of another.
+    """Find matching points between two surfaces.
 
     Parameters
     ----------
     source, target
-        Each a path of a mesh file, ``(vertices, faces)``, any object with both, or a prepared :class:`Surface` or the
-        file (.npz) of one, which keep the preparation that they were made with.
+        Each a path of a mesh file, ``(vertices, faces)`` as arrays of shapes (n, 3) and (m, 3), any object that has
+        both, or a prepared :class:`Surface` or the file (.npz) of one. Prepared surfaces are used as they are.
     preset
         ``"paper"`` for the settings of the publication.
     landmarks
-        Pairs that are known: (k, 2) vertex numbers counting from 0, a file of pairs, or the source's and the target's
-        files of landmarks; see :func:`mobius_match.landmarks.constraints.landmark_constraints`. They are in the result
-        with confidence 1, and guide all other matches.
+        Known pairs: (k, 2) vertex numbers counting from 0, a file of pairs, or the source's and the target's files of
+        landmarks; see :func:`mobius_match.landmarks.constraints.landmark_constraints`. They are in the result with
+        confidence 1, and guide all other matches.
     cache
-        Take the surfaces of mesh files from the cache if they were prepared before, else keep them there. The result
-        does not depend on it.
+        If a mesh file was prepared before, read its surface from the cache; else store it there. The result does not
+        depend on it.
     progress
         Called as ``progress(stage, done, total)`` from the calling thread.
+    parameters
+        The constants of the method, for those who study it; the defaults are the method.
     **settings
         The fields of :class:`MatchSettings`; they override the preset's.
 
     Returns
     -------
     Correspondence
-        The pairs, the most confident first.
+        The pairs, the most confident first. Its settings are those that took effect: of a prepared surface, the ones
+        that it was prepared with.
 
     Raises
     ------
     MeshError
         If a mesh cannot be read or used.
     SettingsError
-        If a setting is unknown or out of range.
+        If a setting is unknown or out of range, or was given and a prepared surface has another value of it.
     NothingFoundError
         If no triplet of points gained a vote, or no match is likely enough to be right.
+
+    References
+    ----------
+    Y. Lipman and T. Funkhouser, "Möbius Voting for Surface Correspondence", ACM Transactions on Graphics 28 (3), 2009.
 
     Examples
     --------
@@ -94,229 +92,216 @@ def match(
     2
     """
     chosen = make_settings(preset, **settings)
-    guided = chosen.proposal == "guided"
-    if landmarks is not None and not guided:
-        raise SettingsError("landmarks guide triplets, and uniform ones (the paper's) are not guided; leave one out")
-    start = time.perf_counter()
-    # Both are read and checked before the work on either begins.
-    preparation = chosen.preparation()
-    things = source, target
-    begun = map_threads(lambda i, _: begin_preparation(things[i], preparation, cache), 2, chosen.jobs, progress)
-    timings = {"reading": time.perf_counter() - start}
-    begin = time.perf_counter()
-    surfaces = map_threads(
-        lambda i, tell: complete_preparation(things[i], begun[i], preparation, cache, tell), 2, chosen.jobs, progress
-    )
-    for side, half, surface in zip(("source", "target"), begun, surfaces, strict=True):
-        if half is not surface:
-            timings |= {f"{side} {name}": seconds for name, seconds in surface.timings.items()}
-    timings["preparation"] = time.perf_counter() - begin
-    first, second = surfaces
-    begin = time.perf_counter()
-    constraints, notes = (None, []) if landmarks is None else landmark_constraints(landmarks, first, second)
+    if landmarks is not None and chosen.proposal != "guided":
+        raise SettingsError(
+            "`landmarks` guide triplets, and uniform ones (the paper's) are not guided; leave out one of the two"
+        )
+    clock = _Clock()
+    first, second = _prepared((source, target), chosen, settings, preset, cache, progress, parameters, clock)
+    chosen, target_preparation, of_preparation = settings_used(chosen, first.settings, second.settings)
+    constraints, of_landmarks = None, list[str]()
+    if landmarks is not None:
+        constraints, of_landmarks = landmark_constraints(landmarks, first, second)
     votes = cast_votes(first, second, chosen, progress)
-    timings["voting"] = time.perf_counter() - begin
-    begin = time.perf_counter()
+    clock.lap("voting")
     # One BLAS thread: sums must not depend on the number of processors.
     with threadpool_limits(limits=1, user_api="blas"):
-        # The paper's own voting knows whole surfaces only.
-        places, of_parts = match_part(first, second, chosen.seed, chosen.jobs, constraints) if guided else (None, [])
-        found: list[Alignment] = []
-        if places is None or boundary_length(places.whole) > OPEN:
-            votes, found = alignments_with_landmarks(first, second, votes, chosen, constraints)
-        cost = found[0].cost if found else None
-        coverage, of_parts = coverage_of_pair(first, second, places, of_parts, cost)
-        if coverage is Coverage.PART:
-            found = []
-        else:
-            places, found = None, rerank_by_registration(first, second, found, chosen.jobs)
-        timings["alignments"] = time.perf_counter() - begin
-        begin = time.perf_counter()
-        if places:
-            here, voted = first.samples, np.ones(len(first.samples), bool)
-            matches = _reported(first, second, here, places.points, places.match_probabilities, voted, chosen)
-        elif found:
-            trust = DISTRUST if coverage is Coverage.BOTH_INCOMPLETE else 1.0
-            matches = _explained(first, second, votes, found[0], chosen, trust)
-        else:
-            matches = _voted(first, second, votes, chosen)
+        outcome = align(first, second, votes, chosen, parameters, constraints)
+        clock.lap("alignments")
+        matches = read_matches(first, second, outcome, chosen, parameters)
         matches = with_given_pairs(matches, constraints, second)
     if not len(matches["pairs"]):
         raise NothingFoundError(
-            f"{first.mesh.name} and {second.mesh.name}: no match is likely enough to be right; lower --threshold, or "
-            "the shapes have too little in common" + "".join(f" ({note})" for note in of_parts)
+            f"{first.mesh.name} and {second.mesh.name}: no match is likely enough to be right; lower `threshold`, or "
+            "the shapes have too little in common" + "".join(f" ({note})" for note in outcome.notes)
         )
-    timings["matches"] = time.perf_counter() - begin
-    timings["total"] = time.perf_counter() - start
+    clock.lap("matches")
+    given = {} if constraints is None else {"landmarks": constraints.pairs.tolist()}
     return Correspondence(
         **matches,
         source_info=first.info,
         target_info=second.info,
         settings={
             **chosen.to_dict(),
+            **target_preparation,
             "preset": preset,
-            "votes": votes.n_triplets,
-            **({} if constraints is None else {"landmarks": constraints.pairs.tolist()}),
+            "votes": outcome.votes.n_triplets,
+            **given,
         },
-        timings=timings,
+        timings=clock.total(),
         software=dict(software()),
         diagnostics={
             "source closure": first.closure,
             "target closure": second.closure,
-            "triplets": votes.n_triplets,
-            "voting triplets": votes.n_voting,
+            "triplets": outcome.votes.n_triplets,
+            "voting triplets": outcome.votes.n_voting,
         },
-        warnings=(*first.notes, *second.notes, *votes.warnings, *of_parts, *notes, *ambiguity_warnings(found)),
-        others=partial(_alternatives, first, second, votes, found, chosen),
-        spread=partial(_spread, first, second, votes, places or found, chosen, constraints),
+        warnings=(
+            *first.notes,
+            *second.notes,
+            *of_preparation,
+            *outcome.votes.warnings,
+            *outcome.notes,
+            *of_landmarks,
+            *ambiguity_warnings(outcome.alignments, parameters.alignment),
+        ),
+        others=partial(_alternatives, first, second, outcome, chosen, parameters),
+        spread=partial(_dense_map, first, second, outcome, chosen, parameters, constraints),
         source=first,
         target=second,
-        votes=votes,
+        votes=outcome.votes,
     )
 
 
-def _voted(source: Surface, target: Surface, votes: Votes, settings: MatchSettings) -> dict[str, Any]:
-    """Section 8 to the letter: pairs of samples, confidence as a share of the votes."""
-    pairs, confidence, recovered = process(votes.matrix, source, target, settings)
-    here, there = source.samples[pairs[:, 0]], target.samples[pairs[:, 1]]
-    return {
-        "pairs": np.stack([source.mesh.vertex_ids[here], target.mesh.vertex_ids[there]], axis=1),
-        "confidence": confidence,
-        "kind": np.where(recovered, "recovered", "voted"),
-    }
-
-
-def _explained(
-    source: Surface,
-    target: Surface,
-    votes: Votes,
-    alignment: Alignment,
+def _prepared(
+    meshes: tuple[Any, Any],
     settings: MatchSettings,
-    trust: float = 1.0,
-) -> dict[str, Any]:
-    """Places of the source's proxy under one explanation, confidence as the chance that they are right.
-
-    All chances are multiplied by ``trust``.
-
-    A sample that section 8 pairs with a sample near its place is voted, and so are the points that are nearest to it;
-    another place is recovered from all others.
-    """
-    registration = alignment.registered(source, target)
-    distances = distances_to_images(source, target, registration)
-    probability = trust * match_probabilities(source, target, registration, distances)
-    scale = np.sqrt(target.area)
-    points = closest_points(
-        target.mesh.vertices / scale, target.mesh.faces, registration.positions / scale, registration.image
+    given: Mapping[str, Any],
+    preset: Preset | None,
+    cache: bool,
+    progress: Progress | None,
+    parameters: Parameters,
+    clock: _Clock,
+) -> tuple[Surface, Surface]:
+    """Sections 4 and 5: both surfaces. Both meshes are read and checked before the work on either begins."""
+    preparation, jobs = settings.preparation(), settings.jobs
+    begun = map_threads(
+        lambda i, _: begin_preparation(meshes[i], preparation, cache, parameters.surface), 2, jobs, progress
     )
-    voted = np.zeros(len(source.samples), bool)
-    pairs, _ = _assign(votes.matrix, settings)
-    radius = settings.recovery_radius or MatchSettings.recovery_radius
-    voted[pairs[:, 0]] = distances[pairs[:, 0], pairs[:, 1]] <= radius * target.diameter
-    voted = voted[source.proxy_distances.argmin(axis=0)]
-    return _reported(source, target, source.proxy, points, probability, voted, settings, source.proxy_geodesics)
+    for argument, one in zip(("source", "target"), begun, strict=True):
+        check_effective(one, argument, given, preset)
+    clock.lap("reading")
+    first, second = map_threads(
+        lambda i, report: complete_preparation(meshes[i], begun[i], preparation, cache, report, parameters.surface),
+        2,
+        jobs,
+        progress,
+    )
+    for side, one, surface in zip(("source", "target"), begun, (first, second), strict=True):
+        if one is not surface:
+            clock.add({f"{side} {name}": seconds for name, seconds in surface.timings.items()})
+    clock.lap("preparation")
+    return first, second
 
 
-def _reported(
-    source: Surface,
-    target: Surface,
-    here: np.ndarray,
-    points: SurfacePoints,
-    probability: np.ndarray,
-    voted: np.ndarray,
-    settings: MatchSettings,
-    ways: np.ndarray | None = None,
-) -> dict[str, Any]:
-    """The likely ones among the places of source vertices (q,), the most confident first, no target vertex twice.
+@dataclass(frozen=True, eq=False)
+class Outcome:
+    """How two surfaces correspond.
 
-    With the ways (q, q) between these per sqrt(area): of those that are not samples none that is closer than the
-    spacing to a sample, or to a more confident one.
+    Parameters
+    ----------
+    votes
+        The votes; cast once more if landmarks disagreed with the first ones.
+    coverage
+        Whether they correspond as wholes, one is a part of the other, or each lacks something.
+    alignments
+        The alignments of two wholes, the chosen one first, which is registered; none with uniform proposals.
+    part
+        The place of the part, where one of them is a part.
+    notes
+        A line each on coverage.
     """
-    threshold = CHANCE_THRESHOLD if settings.threshold is None else settings.threshold
-    kept = np.flatnonzero((probability >= threshold) & (voted | (settings.recovery_radius > 0)))
-    kept = kept[np.argsort(-probability[kept], kind="stable")]
-    if ways is not None:
-        kept = thin_out(ways, settings.spacing, np.isin(here[kept], source.samples), kept)
-    points, mesh = points[kept], target.whole_mesh
-    if target.detail is not None:
-        points = target.detail.lifted(target.mesh, points)
-    # Two neighbours may end at one vertex; the more confident one keeps it.
-    _, first = np.unique(points.nearest, return_index=True)
-    first = np.sort(first)
-    kept, there = kept[first], points[first]
-    return {
-        "pairs": np.stack([source.mesh.vertex_ids[here[kept]], mesh.vertex_ids[there.nearest]], axis=1),
-        "confidence": probability[kept],
-        "kind": np.where(voted, "voted", "recovered")[kept],
-        "target_points": SurfacePoints(mesh.face_ids[there.faces], mesh.vertex_ids[there.corners], there.barycentric),
-    }
+
+    votes: Votes
+    coverage: Coverage
+    alignments: list[Alignment] = field(default_factory=list)
+    part: PartMatch | None = None
+    notes: list[str] = field(default_factory=list)
 
 
-def _spread(
+def align(
     source: Surface,
     target: Surface,
     votes: Votes,
-    found: list[Alignment] | PartMatch,
     settings: MatchSettings,
+    parameters: Parameters,
+    constraints: LandmarkConstraints | None = None,
+) -> Outcome:
+    """Beyond the paper: decide whether one surface is a part of the other, and choose among alignments of wholes.
+
+    The paper's own voting, with uniform proposals, has no alignments: its votes are all there is.
+    """
+    if settings.proposal != "guided":
+        return Outcome(votes, Coverage.WHOLE)
+    part, notes = match_part(source, target, settings.seed, settings.jobs, constraints)
+    candidates: list[Alignment] = []
+    if part is None or boundary_length(part.whole) > OPEN:
+        votes, candidates = alignments_with_landmarks(
+            source, target, votes, settings, parameters.alignment, constraints
+        )
+    cost = candidates[0].cost if candidates else None
+    coverage, notes = coverage_of_pair(source, target, part, notes, cost)
+    if coverage is Coverage.PART:
+        return Outcome(votes, coverage, part=part, notes=notes)
+    alignments = rerank_by_registration(source, target, candidates, parameters.alignment, settings.jobs)
+    return Outcome(votes, coverage, alignments, notes=notes)
+
+
+def read_matches(
+    source: Surface, target: Surface, outcome: Outcome, settings: MatchSettings, parameters: Parameters
+) -> dict[str, Any]:
+    """Section 8, and what goes beyond it: the matches, the most confident first, as fields of the result."""
+    if outcome.part is not None:
+        return part_matches(source, target, outcome.part, settings, parameters.report)
+    if not outcome.alignments:
+        return voted_matches(source, target, outcome.votes, settings, parameters.report)
+    factor = parameters.report.incomplete_factor if outcome.coverage is Coverage.BOTH_INCOMPLETE else 1.0
+    return aligned_matches(source, target, outcome.votes, outcome.alignments[0], settings, parameters, factor)
+
+
+def _dense_map(
+    source: Surface,
+    target: Surface,
+    outcome: Outcome,
+    settings: MatchSettings,
+    parameters: Parameters,
     constraints: LandmarkConstraints | None,
 ) -> SurfaceMap:
-    """The dense map under the chosen explanation; without one, under the matches of the samples."""
-    from ..alignments.dense import dense_map_of_alignment
-    from ..registration.dense import dense_map
-
+    """The dense map of the chosen alignment, through the landmarks."""
     with threadpool_limits(limits=1, user_api="blas"):
-        if isinstance(found, PartMatch):
-            of_part = dense_map(found.part, found.whole, found.registration, whole=False)
-            found_map = of_part if found.part_is_source else of_part.inverse
-            return found_map if constraints is None else found_map.with_pairs(*constraints.ends)
-        if not found:
-            pairs, _ = _assign(votes.matrix, settings)
-            image = target.proxy[coarse_map(source, target, pairs[:TRUSTED], constraints).argmax(axis=1)]
-            found = [Alignment(image, {}, 0.0, 1.0, constraints=constraints)]
-        along = dense_map_of_alignment(source, target, found[0])
-        return along if constraints is None else along.with_pairs(*constraints.ends)
+        if outcome.part is not None:
+            dense = dense_map_of_part(outcome.part, parameters)
+        else:
+            dense = dense_map_of_whole(
+                source, target, outcome.votes, outcome.alignments, settings, parameters, constraints
+            )
+    return dense if constraints is None else dense.with_pairs(*constraints.ends)
 
 
 def _alternatives(
-    source: Surface, target: Surface, votes: Votes, found: list[Alignment], settings: MatchSettings
+    source: Surface, target: Surface, outcome: Outcome, settings: MatchSettings, parameters: Parameters
 ) -> tuple[Alternative, ...]:
-    """The matches under the explanations that lost."""
+    """The matches of the alignments that were not chosen."""
     with threadpool_limits(limits=1, user_api="blas"):
         return tuple(
             Alternative(
-                **with_given_pairs(_explained(source, target, votes, one, settings), one.constraints, target),
-                margin=one.cost - found[0].cost,
+                **with_given_pairs(
+                    aligned_matches(source, target, outcome.votes, one, settings, parameters), one.constraints, target
+                ),
+                margin=one.cost - outcome.alignments[0].cost,
                 share=one.share,
             )
-            for one in found[1:]
+            for one in outcome.alignments[1:]
         )
 
 
-def process(
-    matrix: np.ndarray, source: Surface, target: Surface, settings: MatchSettings
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Section 8: the matrix C to pairs of samples (Q, 2), their confidence (Q,) and which were recovered (Q,) bool.
+class _Clock:
+    """Seconds that stages took, by name."""
 
-    Raises
-    ------
-    NothingFoundError
-        If C has no entry above zero.
-    """
-    pairs, confidence = _assign(matrix, settings)
-    if not len(pairs):
-        raise NothingFoundError(
-            f"{source.mesh.name} and {target.mesh.name}: none of {settings.number_of_votes()} triplets of points "
-            "gained a vote; lower --min-fraction or raise --votes, or the shapes have too little in common"
-        )
-    threshold = VOTES_THRESHOLD if settings.threshold is None else settings.threshold
-    trusted = confidence >= threshold
-    delta = settings.recovery_radius
-    recovered = recover(
-        pairs, trusted, source.distances, target.distances, delta * source.diameter, delta * target.diameter
-    )
-    keep = trusted | recovered
-    return pairs[keep], confidence[keep], recovered[keep]
+    def __init__(self) -> None:
+        self._start = self._last = time.perf_counter()
+        self._laps: dict[str, float] = {}
 
+    def lap(self, stage: str) -> None:
+        """The stage that ends now, since the last one ended."""
+        now = time.perf_counter()
+        self._laps[stage] = now - self._last
+        self._last = now
 
-def _assign(matrix: np.ndarray, settings: MatchSettings) -> tuple[np.ndarray, np.ndarray]:
-    choose = max_row_column if settings.assignment == "greedy" else linear_assignment
-    return choose(normalized(matrix))
+    def add(self, timings: Mapping[str, float]) -> None:
+        """Parts of the stage that is running."""
+        self._laps |= timings
+
+    def total(self) -> dict[str, float]:
+        """All stages, and the total."""
+        return {**self._laps, "total": time.perf_counter() - self._start}

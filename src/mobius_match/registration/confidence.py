@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from ..geometry.interpolation import _means, interpolate_nearby, squared_distances
+from ..geometry.interpolation import interpolate_nearby, inverse_distance_means, squared_distances
 from ..mesh.measure import cross_products
 from ..surface.surface import Surface
 from .parameters import ConfidenceParameters, ConfidenceTerms
@@ -66,7 +66,7 @@ def confidence_terms(
     nearby /= nearby.sum(axis=1, keepdims=True)
     images = target.mesh.vertices[registration.image]
     return ConfidenceTerms(
-        distances=_means(source.proxy_distances.T, disagreement[None])[0],
+        distances=inverse_distance_means(source.proxy_distances.T, disagreement[None])[0],
         residual=nearby @ registration.residual,
         strain=nearby @ edge_strain(source, target, registration),
         stability=stability(target, images, parameters.stability_radius),

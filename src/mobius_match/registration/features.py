@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..geometry.normals import vertex_normals
 from ..surface.surface import Surface
 from .parameters import FeatureWeights
 
 
 def appearance(surface: Surface, weights: FeatureWeights) -> np.ndarray:
     """Weighted descriptors and curvatures (n, d) of the vertices; no column for what has no weight."""
-    kinds = [np.empty((len(surface.mesh.vertices), 0), np.float32)]
+    kinds: list[np.ndarray] = [np.empty((len(surface.mesh.vertices), 0), np.float32)]
     if weights.descriptor:
         kinds.append(weights.descriptor * surface.descriptors)
     if weights.curvature:
@@ -28,3 +29,8 @@ def features(
 def rotated_normals(normals: np.ndarray, rotations: np.ndarray) -> np.ndarray:
     """Normals (p, 3) after rotations (p, 3, 3) of rows."""
     return np.asarray(np.einsum("ni,nij->nj", normals, rotations))
+
+
+def oriented_points(vertices: np.ndarray, faces: np.ndarray, weight: float) -> np.ndarray:
+    """Positions and weighted normals (n, 6) of vertices, which tell the two sides of a thin sheet apart."""
+    return np.hstack([vertices, weight * vertex_normals(vertices, faces)])

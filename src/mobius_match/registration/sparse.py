@@ -71,7 +71,7 @@ def register(
     parameters
         The constants.
     schedule, weights
-        None for those of a full registration of similar shapes.
+        None for those of a full registration of similar shapes, or of a part.
     whole
         Whether the source covers the target. If not, the target does not pull, and eigenfunctions are not compared.
     ignore_discontinuous
@@ -79,7 +79,8 @@ def register(
     constraints
         Landmarks: the source is pinned there.
     """
-    schedule, weights = schedule or parameters.full, weights or parameters.similar
+    schedule = schedule or parameters.full
+    weights = weights or (parameters.similar if whole else parameters.partial)
     centre, scale = target.mesh.vertices.mean(axis=0), np.sqrt(target.area)
     rest, there = source.mesh.vertices / np.sqrt(source.area), (target.mesh.vertices - centre) / scale
     normals1 = vertex_normals(rest, source.mesh.faces)[source.proxy]

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import os
 import time
-from typing import Any
+from dataclasses import asdict
+from typing import Any, Unpack
 
 import numpy as np
 from threadpoolctl import threadpool_limits
@@ -19,10 +20,11 @@ from ..mesh import Mesh
 from ..mesh.files import as_mesh
 from ..mesh.repair import repair
 from ..mesh.report import require_matchable
-from ..settings import PrepareSettings
+from ..settings import PrepareOptions, PrepareSettings, Preset, make_prepare_settings
 from .cache import load_cached, store
 from .flattening import choose_cut_face, flatten, vertex_positions
 from .parameters import SurfaceParameters
+from .prepared import check_effective
 from .sampling import proxy_points, sample_points
 from .simplified import simplified
 from .storage import ENDING
@@ -33,40 +35,58 @@ LARGEST_CLOSURE = 1e-6
 
 
 def prepare(
-    thing: Any,
+    mesh: Any,
     settings: PrepareSettings | None = None,
     *,
+    preset: Preset | None = None,
     cache: bool = False,
     progress: Progress | None = None,
     parameters: SurfaceParameters = SurfaceParameters(),
-    **overrides: Any,
+    **overrides: Unpack[PrepareOptions],
 ) -> Surface:
-    """Make a mesh ready for matching.
+    """Prepare a mesh for matching: sample points, flattening and descriptors (sections 4 and 5 of the paper).
 
     Parameters
     ----------
-    thing
-        A path of a mesh file or of a file of :meth:`Surface.save` (.npz), ``(vertices, faces)``, anything with both as
-        attributes, or a Surface, which is returned as it is.
+    mesh
+        A path of a mesh file or of a file of :meth:`Surface.save` (.npz), ``(vertices, faces)`` as arrays of shapes
+        (n, 3) and (m, 3), any object that has both, or a Surface, which is returned as it is.
     settings
-        A :class:`PrepareSettings`; single values can be given as keywords instead.
+        The settings; by default those of ``PrepareSettings()``.
+    preset
+        ``"paper"`` for the settings of the publication, in place of the values in ``settings``.
     cache
-        Take the surface of a mesh file from the cache if it was prepared before, else keep it there.
+        If the mesh file was prepared before with these settings, read the surface from the cache; else store it there.
     progress
         Called as ``progress(stage, done, total)``.
     parameters
         The constants of the method.
+    **overrides
+        Fields of :class:`PrepareSettings`, in place of the values in ``settings`` and of the preset's.
+
+    Returns
+    -------
+    Surface
+        The prepared surface. Its lengths and areas are in the units of the mesh.
 
     Raises
     ------
     MeshError
         If the mesh cannot be read or used; the message says why and what to do.
     SettingsError
-        If a setting is out of range.
+        If a setting is unknown or out of range, or the mesh is prepared already with another value of it.
+
+    Examples
+    --------
+    >>> import mobius_match as mm
+    >>> surface = mm.prepare(mm.examples.paths("person")[0], samples=50)
+    >>> surface.samples.shape, surface.settings.samples
+    ((50,), 50)
     """
-    settings = settings or PrepareSettings(**overrides)
-    begun = begin_preparation(thing, settings, cache, parameters)
-    return complete_preparation(thing, begun, settings, cache, progress, parameters)
+    chosen = make_prepare_settings(settings, preset, overrides)
+    begun = begin_preparation(mesh, chosen, cache, parameters)
+    check_effective(begun, "mesh", overrides if settings is None else asdict(chosen), preset)
+    return complete_preparation(mesh, begun, chosen, cache, progress, parameters)
 
 
 def begin_preparation(

@@ -67,10 +67,8 @@ def load_fields(path: str | os.PathLike[str]) -> dict[str, Any]:
         found["detail"] = None if whole is None else Detail(whole, **_taken(found, "detail."))
         found["mesh"] = _mesh(found, "mesh.")
         found["settings"], found["warnings"] = PrepareSettings(**found["settings"]), tuple(found["warnings"])
-        values = {
-            name: tuple(value) if isinstance(value, list) else value for name, value in found["parameters"].items()
-        }
-        found["parameters"] = SurfaceParameters(**values)
+        numbers: dict[str, Any] = {k: tuple(v) if isinstance(v, list) else v for k, v in found["parameters"].items()}
+        found["parameters"] = SurfaceParameters(**numbers)
         return found
     except FormatError:
         raise

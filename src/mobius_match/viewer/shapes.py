@@ -76,7 +76,7 @@ def _drawn(mesh: Mesh, surface: Surface | None) -> tuple[np.ndarray, np.ndarray]
         return np.arange(len(mesh.vertices)), mesh.faces
     if surface is not None and surface.detail is not None:
         return surface.detail.kept, surface.mesh.faces
-    simple, detail = simplified(mesh, FEWER)
+    simple, detail = simplified(mesh, FEWER, 1.0)
     return (np.arange(len(mesh.vertices)) if detail is None else detail.kept), simple.faces
 
 

@@ -151,7 +151,7 @@ def test_nothing_found_says_what_to_do():
 
 
 def test_unknown_and_wrong_settings_are_refused():
-    with pytest.raises(mm.SettingsError, match=r"'threshold'.*known settings of a symmetry are .*votes"):
+    with pytest.raises(mm.SettingsError, match=r"^symmetry has no setting 'threshold'; its settings are .*votes$"):
         mm.symmetry(lump(2), threshold=0.5)
     with pytest.raises(mm.SettingsError, match="samples"):
         mm.symmetry(lump(2), samples=2)

@@ -9,15 +9,19 @@ from functools import cached_property
 
 import numpy as np
 
-from ...alignments.groups import cluster_triplets
+from ...alignments.clusters import cluster_triplets
 from ...geometry.curvature import curvatures, rank_correlation
 from ...geometry.directions import directions
 from ...geometry.normals import vertex_normals
 from ...landmarks.constraints import LandmarkConstraints
-from ...registration.register import ROUNDS, TIGHT, Registration, register, stretching
+from ...registration.parameters import RegistrationParameters
+from ...registration.sparse import Registration, register
+from ...registration.strain import mean_stretch
 from ...surface.surface import Surface
 from ...voting.proposals import guided_triplets
 from .agreement import Paths, agreement, differences, match_by_distances
+
+REGISTRATION = RegistrationParameters()
 
 RADII = (0.03, 0.06, 0.1)
 """Widths that curvatures are smoothed to; like all lengths here, per sqrt(area) of the whole."""
@@ -169,7 +173,7 @@ class PartPair:
 
     def refined(self, found: Registration) -> Registration:
         """Bent again, twice, to where the landmarks that it places best say."""
-        for rounds in (1, ROUNDS):
+        for rounds in (1, REGISTRATION.part.rounds):
             found = self.bent(self.image_by_landmarks(*self.landmarks(found)), rounds)
         return found
 
@@ -208,7 +212,7 @@ class PartPair:
             return differences(paths[0].of(ends[0]), paths[1].of(ends[1]), costs, TURNING).argmin(axis=1)
 
         pairs = np.stack(list(pool.map(matched, zip(first, second, strict=True))))
-        groups = cluster_triplets(pairs, self.whole.normalized_distances, totals, RADIUS, GROUPS)
+        groups = cluster_triplets(pairs, self.whole.normalized_distances, totals, RADIUS, PROMISING, GROUPS)
         good = [
             self._agreed(pairs[group], totals[group]) for group in groups if totals[group[0]] >= PROMISING * totals[0]
         ]
@@ -242,11 +246,17 @@ class PartPair:
         """Each vertex of the part's proxy to the one of the whole's that is as far from the landmarks: (P1,) int64."""
         return match_by_distances(self.paths1.of(mine), self.paths2.of(theirs), self.costs, CAP, SOFT, AS_FAR, SAME_WAY)
 
-    def bent(self, image: np.ndarray, rounds: int = ROUNDS) -> Registration:
+    def bent(self, image: np.ndarray, rounds: int = REGISTRATION.part.rounds) -> Registration:
         """The part bent onto the whole along a map of its proxy (P1,) to the whole's."""
         image = self.whole.proxy[image]
         return register(
-            self.part, self.whole, image, whole=False, rounds=rounds, data_weights=TIGHT, constraints=self.constraints
+            self.part,
+            self.whole,
+            image,
+            REGISTRATION,
+            schedule=replace(REGISTRATION.part, rounds=rounds),
+            whole=False,
+            constraints=self.constraints,
         )
 
     def landmarks(self, found: Registration) -> tuple[np.ndarray, np.ndarray]:
@@ -294,7 +304,7 @@ class PartPair:
             "turned": float(1 - self.turned(image)[0].mean()),
             "residual": float(found.residual.mean()),
             "turn": float(found.normal_deviation.mean()),
-            "stretch": stretching(self.part, self.whole, found),
+            "stretch": mean_stretch(self.part, self.whole, found),
             "gauss curvature": gauss,
             "mean curvature": mean,
         }

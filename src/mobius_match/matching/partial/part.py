@@ -18,7 +18,7 @@ import numpy as np
 
 from ...geometry.points import SurfacePoints
 from ...landmarks.constraints import LandmarkConstraints
-from ...registration.register import Registration
+from ...registration.sparse import Registration
 from ...surface.surface import Surface
 from .locate import PartPair, Placement
 from .place import OPEN, boundary_length, points_on_part, points_on_whole

@@ -10,10 +10,10 @@ from ...geometry.interpolation import interpolate_nearby
 from ...geometry.nearest_neighbors import nearest_neighbors
 from ...geometry.points import SurfacePoints, closest_points
 from ...mesh.topology import boundary_edges
-from ...registration.confidence import edge_strain
-from ...registration.register import oriented_points
+from ...registration.features import oriented_points
+from ...registration.strain import edge_strain
 from ...surface.surface import Surface
-from .locate import PartPair, Placement
+from .locate import REGISTRATION, PartPair, Placement
 
 NEAR, SNAPPED = 0.15, 0.03
 """Over which a landmark has a say in how well distances agree, and how far its image may be from a known one."""
@@ -106,7 +106,8 @@ def points_on_part(pair: PartPair, place: Placement) -> tuple[SurfacePoints, np.
     """Points of the part for the whole's samples, and the chance of each; 0 for those that are off the part."""
     mesh, found = pair.part.mesh, place.registration
     there, rest = (
-        oriented_points(one.mesh.vertices / np.sqrt(one.area), one.mesh.faces) for one in (pair.whole, pair.part)
+        oriented_points(one.mesh.vertices / np.sqrt(one.area), one.mesh.faces, REGISTRATION.partial.normal)
+        for one in (pair.whole, pair.part)
     )
     bent = np.hstack([found.positions / np.sqrt(pair.whole.area), there[found.image, 3:]])
     queries = there[pair.whole.samples]

@@ -12,9 +12,9 @@ from __future__ import annotations
 import json
 import os
 import time
-from dataclasses import dataclass, fields, replace
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, Unpack
 
 import numpy as np
 from threadpoolctl import threadpool_limits
@@ -23,14 +23,17 @@ from ..._core.files import write_atomically
 from ..._core.threads import Progress
 from ..._core.versions import software
 from ...alignments.alignment import Alignment
-from ...alignments.candidates import alignments
-from ...errors import NothingFoundError, SettingsError
+from ...alignments.candidates import candidate_alignments
+from ...alignments.parameters import AlignmentParameters
+from ...errors import NothingFoundError
 from ...geometry.geodesics import geodesic_solver
 from ...geometry.nearest_neighbors import nearest_neighbors
 from ...geometry.spectral import functional_map, wave_kernel_signature
 from ...mesh.measure import box_scale, unit_box
-from ...settings import PrepareSettings, make_settings
+from ...settings import SymmetryOptions, check_names, make_settings
+from ...surface.parameters import SurfaceParameters
 from ...surface.prepare import begin_preparation, complete_preparation
+from ...surface.prepared import check_effective
 from ...surface.surface import Surface
 from ...voting.assignment import max_row_column
 from ...voting.votes import Votes
@@ -129,30 +132,42 @@ class Symmetry:
         write_atomically(Path(path), (json.dumps(self.to_dict(), indent=1, allow_nan=False) + "\n").encode())
 
 
-def symmetry(thing: Any, *, cache: bool = False, progress: Progress | None = None, **settings: Any) -> Symmetry:
+def symmetry(
+    mesh: Any, *, cache: bool = False, progress: Progress | None = None, **settings: Unpack[SymmetryOptions]
+) -> Symmetry:
     """Find the intrinsic mirror symmetry of one surface, in whatever pose.
 
     Parameters
     ----------
-    thing
-        A path of a mesh file, ``(vertices, faces)``, any object with both, or a prepared :class:`Surface` or the file
-        (.npz) of one, which keep the preparation that they were made with.
+    mesh
+        A path of a mesh file, ``(vertices, faces)`` as arrays of shapes (n, 3) and (m, 3), any object that has both, or
+        a prepared :class:`Surface` or the file (.npz) of one. A prepared surface is used as it is.
     cache
-        Take the surface of a mesh file from the cache if it was prepared before, else keep it there. The result does
-        not depend on it.
+        If the mesh file was prepared before, read its surface from the cache; else store it there. The result does not
+        depend on it.
     progress
         Called as ``progress(stage, done, total)`` from the calling thread.
     **settings
         The fields of :class:`PrepareSettings`, and ``votes``, ``seed`` and ``jobs`` of :class:`MatchSettings`.
+
+    Returns
+    -------
+    Symmetry
+        Pairs of mirrored vertices, the most confident first, and the vertices that stay in place.
 
     Raises
     ------
     MeshError
         If the mesh cannot be read or used.
     SettingsError
-        If a setting is unknown or out of range.
+        If a setting is unknown or out of range, or was given and a prepared surface has another value of it.
     NothingFoundError
         If no pair of points is confirmed.
+
+    References
+    ----------
+    V. G. Kim, Y. Lipman, X. Chen and T. Funkhouser, "Möbius Transformations for Global Intrinsic Symmetry Analysis",
+    Computer Graphics Forum 29 (5), 2010.
 
     Examples
     --------
@@ -162,15 +177,15 @@ def symmetry(thing: Any, *, cache: bool = False, progress: Progress | None = Non
     >>> found.score > 0.9
     True
     """
-    known = [f.name for f in fields(PrepareSettings)] + ["votes", "seed", "jobs"]
-    for name in settings:
-        if name not in known:
-            raise SettingsError(f"setting is {name!r}; known settings of a symmetry are {', '.join(sorted(known))}")
+    known = list(SymmetryOptions.__annotations__)
+    check_names(settings, known, "symmetry")
     chosen = make_settings(**settings)
     start = time.perf_counter()
-    half = begin_preparation(thing, chosen.preparation(), cache)
+    half = begin_preparation(mesh, chosen.preparation(), cache, SurfaceParameters())
+    check_effective(half, "mesh", settings)
     timings = {"reading": time.perf_counter() - start}
-    surface = complete_preparation(thing, half, chosen.preparation(), cache, progress)
+    surface = complete_preparation(mesh, half, chosen.preparation(), cache, progress, SurfaceParameters())
+    chosen = replace(chosen, **asdict(surface.settings))
     if half is not surface:
         timings |= surface.timings
     begin = time.perf_counter()
@@ -179,20 +194,21 @@ def symmetry(thing: Any, *, cache: bool = False, progress: Progress | None = Non
     begin = time.perf_counter()
     # One BLAS thread: sums must not depend on the number of processors.
     with threadpool_limits(limits=1, user_api="blas"):
-        found = alignments(surface, replace(surface, positions=surface.positions.conj()), votes, limbs=False)
+        mirrored = replace(surface, positions=surface.positions.conj())
+        found = candidate_alignments(surface, mirrored, votes, AlignmentParameters(), with_extremities=False)
         pairs, confidence, stationary, score = _read_off(surface, votes, found)
     timings |= {"reading off": time.perf_counter() - begin, "total": time.perf_counter() - start}
-    mesh = surface.mesh
+    numbers = surface.mesh.vertex_ids
     return Symmetry(
-        pairs=mesh.vertex_ids[pairs],
+        pairs=numbers[pairs],
         confidence=confidence,
-        stationary=np.unique(mesh.vertex_ids[stationary]),
+        stationary=np.unique(numbers[stationary]),
         score=score,
         source_info=surface.info,
         settings={name: getattr(chosen, name) for name in known} | {"votes": votes.n_triplets},
         timings=timings,
         software=dict(software()),
-        warnings=(*(f"{mesh.name}: {note}" for note in (*mesh.notes, *surface.warnings)), *_doubts(surface, score)),
+        warnings=(*surface.notes, *_doubts(surface, score)),
         source=surface,
     )
 
