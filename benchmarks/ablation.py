@@ -12,31 +12,24 @@ import os
 import shlex
 import sys
 import tempfile
-from collections.abc import Callable, Mapping
-from contextlib import AbstractContextManager, nullcontext
-from functools import partial
+from collections.abc import Mapping
+from dataclasses import fields
 from pathlib import Path
 from typing import Any
-from unittest.mock import patch
 
 import numpy as np
 
 import mobius_match as mm
 from mobius_match._core.files import write_atomically
+from mobius_match._core.parameters import varied
 from mobius_match._core.processes import Died, Workers
-from mobius_match.alignments import coarse_map as spreading
-from mobius_match.alignments import cost as evidence
-from mobius_match.alignments import explanation as hypotheses
+from mobius_match.alignments.parameters import CostWeights
 from mobius_match.errors import FormatError
 from mobius_match.evaluation import Case, Truth, find_dataset, summary
 from mobius_match.evaluation.work import match_pair, prepare_one, record_of, surface_path
-from mobius_match.geometry.optimal_transport import Transport
-from mobius_match.registration import confidence
-from mobius_match.registration import register as registration
-from mobius_match.registration.register import Registration
+from mobius_match.matching.parameters import Parameters
+from mobius_match.registration.parameters import ConfidenceTerms, Schedule
 from mobius_match.settings import make_settings
-from mobius_match.surface.surface import Surface
-from mobius_match.voting import votes as tally
 
 HEADING = """# Ablation{where}
 
@@ -66,91 +59,68 @@ explanation, so the number of wrong pairs, the last of each cell, tells most.
 """How the title of the page of that name goes on, and what it says besides."""
 
 
-def alike(signatures1: np.ndarray, signatures2: np.ndarray) -> np.ndarray:
-    """Stands for the similarity of descriptors: all samples are equally similar."""
-    return np.ones((len(signatures1), len(signatures2)))
+Changes = dict[str, Any]
+"""Values of parameters by name, or of a setting by its own."""
+
+NO_DATA = Schedule((), 0, 0)
+STRAIN = "alignment.selection."
+CHOICE = "alignment.cost.weights."
+REGISTRATION = "alignment.registration."
+CONFIDENCE = f"{REGISTRATION}confidence.slopes."
+COARSE = "alignment.coarse_map."
+FEATURES = [f"{REGISTRATION}{name}." for name in ("similar", "different", "compared")]
 
 
-def unbent(source: Surface, target: Surface, image: np.ndarray, *_: Any, **__: Any) -> Registration:
-    """Stands for the registration: the map of the explanation as it is."""
-    nothing, turns = np.zeros(len(image)), np.tile(np.eye(3), (len(image), 1, 1))
-    return Registration(image, target.mesh.vertices[image], nothing, turns, nothing)
+def without_feature(kind: str) -> Changes:
+    """The registration of the proxy does not compare this kind of features."""
+    return {f"{name}{kind}": 0.0 for name in FEATURES}
 
 
-def finer(source: Surface, target: Surface, image: np.ndarray) -> np.ndarray:
-    """Stands for targets of which nothing is left over: the finer ones."""
-    return spreading.refined_targets(source, target, image, source.proxy)
+COSTS = [one.name for one in fields(CostWeights) if one.name != "landmarks"]
+SLOPES = [one.name for one in fields(ConfidenceTerms)]
 
-
-def not_bent() -> AbstractContextManager[Any]:
-    return patch.multiple(hypotheses, register=unbent, register_coarsely=unbent)
-
-
-Patches = Callable[[], AbstractContextManager[Any]]
-
-
-def weights(**changed: float) -> Patches:
-    names = {name.replace("_", " "): value for name, value in changed.items()}
-    return lambda: patch.dict(evidence.WEIGHTS, names)
-
-
-def constant(module: Any, name: str, value: Any) -> Patches:
-    return lambda: patch.object(module, name, value)
-
-
-def unseen(kind: int) -> Patches:
-    """Descriptors (0) or curvatures (1) count nothing in the registration."""
-    seen = registration._seen
-
-    def without(surface: Any, weights: tuple[float, float]) -> Any:
-        return seen(surface, (0.0, weights[1]) if kind == 0 else (weights[0], 0.0))
-
-    return lambda: patch.object(registration, "_seen", without)
-
-
-WITHOUT: dict[str, tuple[dict[str, Any], Patches]] = {
-    "nothing left out": ({}, nullcontext),
-    "guided triplets and all that follows (300,000 uniform ones, the paper's K)": (
-        {"proposal": "uniform", "votes": 300_000},
-        nullcontext,
-    ),
-    "intrinsic Delaunay triangulation": ({"triangulation": "mesh"}, nullcontext),
-    "heat geodesics (edge paths)": ({"geodesics": "dijkstra"}, nullcontext),
-    "descriptors in the votes": ({}, constant(tally, "signature_similarity", alike)),
-    "choice between explanations (votes, and strain)": (
-        {},
-        weights(distances=0.0, laplacian=0.0, mean_curvature=0.0, gauss_curvature=0.0),
-    ),
-    **{
-        f"choice: {kind}": ({}, weights(**{kind.replace(" ", "_"): 0.0}))
-        for kind in evidence.WEIGHTS
-        if kind != "landmarks"
+SETTINGS: dict[str, Changes] = {
+    "guided triplets and all that follows (300,000 uniform ones, the paper's K)": {
+        "proposal": "uniform",
+        "votes": 300_000,
     },
-    "choice: strain of close ones": ({}, constant(hypotheses, "CONTENDERS", 1)),
-    "choice: strain when bent with care (in haste alone)": ({}, constant(hypotheses, "HOPELESS", 0.0)),
-    "ends of limbs, where nothing fits well": ({}, constant(hypotheses, "UNSURE", np.inf)),
-    "other starts, weights and settling, where shapes differ": ({}, constant(hypotheses, "HARD", np.inf)),
-    "settling, where shapes differ": ({}, constant(hypotheses, "AGAIN", 0)),
-    "bending from where nothing is left over, where shapes differ": ({}, constant(hypotheses, "even_targets", finer)),
-    "descriptors in the spread": ({}, constant(spreading, "DESCRIPTORS", 0.0)),
-    "transport (nearest points)": ({}, constant(spreading, "Transport", partial(Transport, balance=0.0))),
-    "upsampling (20 eigenfunctions alone)": ({}, constant(spreading, "UPSAMPLING", (20,))),
-    "registration": ({"threshold": 0.0}, not_bent),
-    "registration: normals": ({}, constant(registration, "NORMAL", 0.0)),
-    "registration: eigenfunctions": ({}, constant(registration, "SPECTRAL", 0.0)),
-    "registration: descriptors": ({}, unseen(0)),
-    "registration: curvatures": ({}, unseen(1)),
-    "registration: torn pieces set free": ({}, constant(registration, "TEAR", np.inf)),
-    "registration: rising trust (the first alone)": ({}, constant(registration, "TRUST", registration.TRUST[:2])),
-    "confidence (all alike)": (
-        {"threshold": 0.0},
-        lambda: patch.dict(confidence.SLOPES, dict.fromkeys(confidence.SLOPES, 0.0)),
-    ),
-    **{
-        f"confidence: {kind}": ({"threshold": 0.0}, partial(patch.dict, confidence.SLOPES, {kind: 0.0}))
-        for kind in confidence.SLOPES
-    },
+    "intrinsic Delaunay triangulation": {"triangulation": "mesh"},
+    "heat geodesics (edge paths)": {"geodesics": "dijkstra"},
+    "registration": {"threshold": 0.0},
+    "confidence (all alike)": {"threshold": 0.0},
+    **{f"confidence: {name}": {"threshold": 0.0} for name in SLOPES},
 }
+"""Settings of rows that change any."""
+
+PARAMETERS: dict[str, Changes] = {
+    "choice between alignments (votes, and strain)": {f"{CHOICE}{name}": 0.0 for name in COSTS},
+    **{f"choice: {name.replace('_', ' ')}": {f"{CHOICE}{name}": 0.0} for name in COSTS},
+    "choice: strain of close ones": {f"{STRAIN}most_contenders": 1},
+    "choice: strain of full registration (coarse alone)": {f"{STRAIN}hopeless_margin": 0.0},
+    "extremities, where nothing fits well": {f"{STRAIN}extremities_above": np.inf},
+    "other beginnings, weights and repeats, where shapes differ": {f"{STRAIN}different_above": np.inf},
+    "repeated registration, where shapes differ": {f"{STRAIN}repeats": 0},
+    "descriptors in the coarse map": {f"{COARSE}descriptor_weight": 0.0},
+    "transport (nearest points)": {f"{COARSE}transport.balance": 0.0},
+    "upsampling (20 eigenfunctions alone)": {f"{COARSE}upsampling": (20,)},
+    "registration": {
+        f"{REGISTRATION}full": NO_DATA,
+        f"{REGISTRATION}coarse": NO_DATA,
+        f"{REGISTRATION}initial_weight": 1e6,
+        f"{REGISTRATION}initial_steps": 1,
+    },
+    "registration: normals": without_feature("normal"),
+    "registration: eigenfunctions": without_feature("spectral"),
+    "registration: descriptors": without_feature("descriptor"),
+    "registration: curvatures": without_feature("curvature"),
+    "registration: discontinuous pieces ignored": {f"{REGISTRATION}discontinuity": np.inf},
+    "registration: rising data weight (the first alone)": {f"{REGISTRATION}full.data_weights": (0.1,)},
+    "confidence (all alike)": {f"{CONFIDENCE}{name}": 0.0 for name in SLOPES},
+    **{f"confidence: {name}": {f"{CONFIDENCE}{name}": 0.0} for name in SLOPES},
+}
+"""Parameters of rows that change any."""
+
+ROWS = list(dict.fromkeys(["nothing left out", *SETTINGS, *PARAMETERS]))
 
 
 def records_without(case: Case, folder: Path, names: list[str], seed: int) -> dict[str, dict[str, Any]]:
@@ -159,8 +129,8 @@ def records_without(case: Case, folder: Path, names: list[str], seed: int) -> di
 
 
 def record_without(case: Case, folder: Path, name: str, seed: int = 0) -> dict[str, Any]:
-    settings, patches = WITHOUT[name]
-    chosen = make_settings(**settings, jobs=1, seed=seed)
+    chosen = make_settings(**SETTINGS.get(name, {}), jobs=1, seed=seed)
+    parameters = varied(Parameters(), PARAMETERS.get(name, {}))
     # A preparation of its own for settings that change it.
     place = folder / "-".join(str(value) for value in vars(chosen.preparation()).values())
     for mesh in (case.source, case.target):
@@ -168,8 +138,7 @@ def record_without(case: Case, folder: Path, name: str, seed: int = 0) -> dict[s
         if not path.exists():
             path.parent.mkdir(parents=True, exist_ok=True)
             prepare_one(str(mesh), path, chosen)
-    with patches():
-        return record_of(match_pair, case, "heat", place, chosen, False)
+    return record_of(match_pair, case, "heat", place, chosen, False, parameters)
 
 
 def reversed_case(case: Case) -> Case:
@@ -207,7 +176,7 @@ def main() -> None:
         parser.error("--every, --seeds: give 1 or more")
     if not options.output.parent.is_dir():
         parser.error(f"--output: there is no folder {options.output.parent}")
-    nothing, *others = WITHOUT
+    nothing, *others = ROWS
     names = [nothing, *(name for name in others if name.startswith(tuple(options.rows)))]
     sets: dict[str, dict[str, tuple[Case, int]]] = {}
     for folder in [path for data in options.data for path in (data, *sorted(data.glob("*/")))]:

@@ -4,16 +4,19 @@ import numpy as np
 import pytest
 
 import mobius_match as mm
-from benchmarks.ablation import WITHOUT, record_without, reversed_case
+from benchmarks.ablation import PARAMETERS, ROWS, SETTINGS, record_without, reversed_case
+from mobius_match._core.parameters import parameters_of, varied
 from mobius_match.evaluation import Case, Truth, examples
 from mobius_match.evaluation.summary import headline
+from mobius_match.matching.parameters import Parameters
+from mobius_match.settings import make_settings
 
 LEFT_OUT = (
     "nothing left out",
     "choice: strain of close ones",
     "transport (nearest points)",
     "registration",
-    "confidence: stretch",
+    "confidence: strain",
 )
 
 
@@ -26,11 +29,11 @@ def case():
     return Case("quadruped", "", source, target, Truth(np.arange(len(there)), there))
 
 
-@pytest.mark.parametrize("name", list(WITHOUT))
-def test_what_is_left_out_is_there(name):
-    _, patches = WITHOUT[name]
-    with patches():
-        pass
+@pytest.mark.parametrize("name", ROWS[1:])
+def test_each_row_changes_a_setting_or_a_parameter(name):
+    settings = make_settings(**SETTINGS.get(name, {}))
+    parameters = varied(Parameters(), PARAMETERS.get(name, {}))
+    assert settings != make_settings() or list(parameters_of(parameters)) != list(parameters_of(Parameters()))
 
 
 def test_a_pair_is_matched_without_it_and_worse_without_the_registration(case, tmp_path):

@@ -8,8 +8,10 @@ them.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field, fields, is_dataclass
-from typing import Any
+from dataclasses import dataclass, field, fields, is_dataclass, replace
+from typing import Any, TypeVar
+
+Record = TypeVar("Record")
 
 AREA = "sqrt(area)"
 """Unit of lengths: the square root of the surface's area."""
@@ -69,3 +71,12 @@ def parameters_of(record: Any, prefix: str = "", inherited: Mapping[str, str] | 
 def count_numbers(record: Any) -> int:
     """How many numbers a record holds; a tuple of three counts as three."""
     return sum(len(one.value) if isinstance(one.value, tuple) else 1 for one in parameters_of(record))
+
+
+def varied(record: Record, changes: Mapping[str, Any]) -> Record:
+    """A record with other values of some parameters, by their names as :func:`parameters_of` gives them."""
+    for name, value in changes.items():
+        head, _, rest = name.partition(".")
+        inner = varied(getattr(record, head), {rest: value}) if rest else value
+        record = replace(record, **{head: inner})  # type: ignore[type-var]
+    return record

@@ -14,6 +14,7 @@ import numpy as np
 
 from ..errors import MobiusError
 from ..matching.match import match
+from ..matching.parameters import Parameters
 from ..mesh import Mesh
 from ..settings import MatchSettings
 from ..surface.prepare import matchable_mesh, prepare
@@ -58,10 +59,17 @@ def _message(error: Exception) -> str:
     return str(error) if isinstance(error, MobiusError) else f"{type(error).__name__}: {error}"
 
 
-def match_pair(case: Case, scoring: str, folder: Path, settings: MatchSettings, dense: bool) -> dict[str, Any]:
+def match_pair(
+    case: Case,
+    scoring: str,
+    folder: Path,
+    settings: MatchSettings,
+    dense: bool,
+    parameters: Parameters = Parameters(),
+) -> dict[str, Any]:
     """Match two prepared meshes and score the matches, and the dense map if wanted."""
     source, target = (_load_surface(surface_path(folder, path)) for path in (case.source, case.target))
-    result = match(source, target, **settings.to_dict())
+    result = match(source, target, parameters=parameters, **settings.to_dict())
     timings = {f"source {name}": seconds for name, seconds in source.timings.items()}
     timings |= {f"target {name}": seconds for name, seconds in target.timings.items()}
     timings |= {name: seconds for name, seconds in result.timings.items() if name not in ("reading", "total")}
