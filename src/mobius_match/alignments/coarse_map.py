@@ -8,10 +8,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..geometry.optimal_transport import NEIGHBOUR, Transport
+from ..geometry.optimal_transport import Transport
 from ..geometry.spectral import functional_map
 from ..landmarks.constraints import LandmarkConstraints
 from ..surface.surface import Surface
+
+NEIGHBOR = 10
+"""See :class:`Transport`; divided by the step where only every so many-th point is used."""
 
 FEATURE_SCALE = 0.3
 """Distance per sqrt(area) over which a match has a say in the first map."""
@@ -75,7 +78,7 @@ def _begun(
         if constraints is not None:
             apart = np.concatenate([apart, constraints.distances[side][:, surface.proxy]])
         features.append(np.exp(-apart.T[::step] / (FEATURE_SCALE * np.sqrt(surface.area))))
-    return Transport(features[0], features[1], neighbour=NEIGHBOUR // step).plan
+    return Transport(features[0], features[1], neighbor=NEIGHBOR // step).plan
 
 
 def _transport(source: Surface, target: Surface, first: np.ndarray, second: np.ndarray, step: int = 1) -> Transport:
@@ -87,7 +90,7 @@ def _transport(source: Surface, target: Surface, first: np.ndarray, second: np.n
     return Transport(
         _described(source, here, first[::step], second),
         _described(target, there, second[::step], second),
-        neighbour=NEIGHBOUR // step,
+        neighbor=NEIGHBOR // step,
     )
 
 

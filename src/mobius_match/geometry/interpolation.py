@@ -1,30 +1,44 @@
-"""Values that are known at some points, at others."""
+"""Interpolation of values that are known at some points."""
 
 from __future__ import annotations
 
 import numpy as np
 
-NEIGHBOURS = 4
-"""Vertices of the proxy that a distance is interpolated from."""
+
+def interpolate_nearby(
+    points: np.ndarray, queries: np.ndarray, values: np.ndarray, *, neighbors: int = 4
+) -> np.ndarray:
+    """Values (N, p) known at points (p, 3), interpolated at queries (q, 3) by distance in space: (N, q)."""
+    return inverse_distance_means(np.sqrt(squared_distances(queries, points)), values, neighbors=neighbors)
 
 
-def interpolate_nearby(points: np.ndarray, queries: np.ndarray, values: np.ndarray) -> np.ndarray:
-    """Values (N, p) that are known at points (p, 3), at queries (q, 3): (N, q), by distance in space."""
-    return _means(np.sqrt(squared_distances(queries, points)), values)
+def inverse_distance_means(distances: np.ndarray, values: np.ndarray, *, neighbors: int = 4) -> np.ndarray:
+    """Inverse distance weighting with exponent 2 (Shepard 1968) over the nearest points.
 
+    Parameters
+    ----------
+    distances
+        (q, p) from each query to each point.
+    values
+        (N, p) at the points.
+    neighbors
+        Number of nearest points that each query's value is a mean of.
 
-def _means(apart: np.ndarray, values: np.ndarray) -> np.ndarray:
-    """Values (N, p) at queries that lie apart (q, p) from where they are known: (N, q), of the nearest."""
-    number = min(NEIGHBOURS, apart.shape[1])
-    near = np.argpartition(apart, number - 1, axis=1)[:, :number]
-    apart = np.take_along_axis(apart, near, axis=1)
-    weights = 1 / (apart + 1e-3 * apart.mean() + np.finfo(float).tiny) ** 2
+    Returns
+    -------
+    numpy.ndarray
+        (N, q) at the queries.
+    """
+    number = min(neighbors, distances.shape[1])
+    near = np.argpartition(distances, number - 1, axis=1)[:, :number]
+    distances = np.take_along_axis(distances, near, axis=1)
+    # A query that lies on a point takes that point's value, nearly, without division by zero.
+    weights = 1 / (distances + 1e-3 * distances.mean() + np.finfo(float).tiny) ** 2
     return np.einsum("nqk,qk->nq", values[:, near], weights / weights.sum(axis=1, keepdims=True))
 
 
 def squared_distances(queries: np.ndarray, points: np.ndarray) -> np.ndarray:
-    """Squared distances in space (q, p)."""
-    # So few points need no search tree, which takes longer to import.
+    """Squared distances (q, p) in space of queries (q, 3) from points (p, 3)."""
     return np.asarray(
         sum(np.subtract.outer(query, point) ** 2 for query, point in zip(queries.T, points.T, strict=True))
     )

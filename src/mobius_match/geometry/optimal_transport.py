@@ -6,17 +6,8 @@ import numpy as np
 
 from .._core.compiling import jit
 
-SHARPNESS = 0.45
-"""Temperature, as a fraction of the typical squared distance to the neighbour of number NEIGHBOUR."""
-
-NEIGHBOUR = 10
-ITERATIONS = 10
-
-BALANCE = 0.8
-"""How strictly the masses of the second set bind: 1 leaves no point of it over, 0 takes the nearest point alone."""
-
-CANDIDATES = 500
-"""How many candidates for the images of further points are worked on at a time."""
+BLOCK = 500
+"""Candidates that are compared at a time: the matrix between them and the queries must fit into memory."""
 
 
 class Transport:
@@ -30,17 +21,24 @@ class Transport:
     first, second
         (p1, k) and (p2, k): features.
     balance
-        See :data:`BALANCE`.
-    neighbour
-        See :data:`SHARPNESS`.
+        Exponent b in [0, 1] with which the masses of the second set are enforced: 1 is balanced transport, 0 sends
+        each point to its nearest alone.
+    sharpness, neighbor
+        The temperature is the sharpness times a typical increase of squared distance: the median, over the first
+        set, of how much farther the neighbour of this number (from 0) is than the nearest.
+    iterations
+        Number of Sinkhorn iterations.
     """
 
     def __init__(
         self,
         first: np.ndarray,
         second: np.ndarray,
-        balance: float = BALANCE,
-        neighbour: int = NEIGHBOUR,
+        *,
+        balance: float = 0.8,
+        sharpness: float = 0.45,
+        neighbor: int = 10,
+        iterations: int = 10,
     ) -> None:
         self._first, self._balance = first.astype(np.float32), np.float32(balance)
         # Everything in place: fresh memory of this size costs as much as what is done with it.
@@ -48,10 +46,10 @@ class Transport:
         self._nearest = kernel.min(axis=1)
         kernel -= self._nearest[:, None]
         some = kernel[:: max(1, len(kernel) // 200)]
-        number = min(neighbour, kernel.shape[1] - 1)
-        self.temperature = SHARPNESS * float(np.median(np.partition(some, number, axis=1)[:, number])) + 1e-12
+        number = min(neighbor, kernel.shape[1] - 1)
+        self.temperature = sharpness * float(np.median(np.partition(some, number, axis=1)[:, number])) + 1e-12
         self._to_kernel(kernel)
-        self._sent = _balance(kernel, self._balance)
+        self._sent = _balance(kernel, self._balance, iterations)
         self.plan: np.ndarray = kernel
         """(p1, p2) float32: which part of each point's mass goes where; rows sum to 1."""
 
@@ -76,8 +74,8 @@ class Transport:
         queries = queries.astype(np.float32)
         same = np.array_equal(queries, self._first)
         found, least = np.zeros(len(queries), np.int64), np.full(len(queries), np.inf, np.float32)
-        for start in range(0, len(candidates), CANDIDATES):
-            some = candidates[start : start + CANDIDATES]
+        for start in range(0, len(candidates), BLOCK):
+            some = candidates[start : start + BLOCK]
             squared = _squared_distances(self._first, some)
             apart = squared.copy() if same else _squared_distances(queries, some)
             squared -= self._nearest[:, None]
@@ -91,24 +89,24 @@ class Transport:
 
 
 @jit(fastmath={"reassoc"})
-def _balance(kernel: np.ndarray, balance: np.float32) -> np.ndarray:
+def _balance(kernel: np.ndarray, balance: np.float32, iterations: int) -> np.ndarray:
     """Turn the kernel (p1, p2) into the plan, in place, and tell what the rows had to be multiplied by, (p1,)."""
     share = np.float32(kernel.shape[0]) / np.float32(kernel.shape[1])
     received, sent = np.ones(kernel.shape[1], np.float32), np.empty(kernel.shape[0], np.float32)
     mass = np.empty_like(received)
-    for iteration in range(ITERATIONS + 1):
+    for iteration in range(iterations + 1):
         mass[:] = np.float32(0)
         for i in range(len(sent)):
             row, through = kernel[i], np.float32(0)
             for j in range(len(row)):
                 through += row[j] * received[j]
             sent[i] = np.float32(1) / through
-            if iteration == ITERATIONS:  # the rows end in balance
+            if iteration == iterations:  # the rows end in balance
                 row *= sent[i] * received
                 continue
             for j in range(len(row)):
                 mass[j] += sent[i] * row[j]
-        if iteration < ITERATIONS:
+        if iteration < iterations:
             received[:] = (share / mass) ** balance
     return sent
 

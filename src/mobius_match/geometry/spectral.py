@@ -38,7 +38,14 @@ def eigenbasis(mesh: IntrinsicMesh, count: int) -> tuple[np.ndarray, np.ndarray]
     return np.maximum(1 / values[order] - SHIFT, 0.0), functions[:, order] / root[:, None]
 
 
-def wave_kernel_signature(eigenvalues: np.ndarray, eigenfunctions: np.ndarray, energies: int = 100) -> np.ndarray:
+def wave_kernel_signature(
+    eigenvalues: np.ndarray,
+    eigenfunctions: np.ndarray,
+    *,
+    energies: int = 100,
+    spread: float = 7.0,
+    top: float = 1.02,
+) -> np.ndarray:
     """Wave kernel signature (Aubry et al. 2011) of each row of eigenfunctions.
 
     Parameters
@@ -46,7 +53,12 @@ def wave_kernel_signature(eigenvalues: np.ndarray, eigenfunctions: np.ndarray, e
     eigenvalues, eigenfunctions
         (count,) and (p, count), as :func:`eigenbasis` gives them; rows of a subset of points will do.
     energies
-        Number of energy levels.
+        Number of levels of the logarithm of the energy, evenly spaced.
+    spread
+        Standard deviation of the Gaussian around each level, in steps from one level to the next.
+    top
+        The highest level is the logarithm of the largest eigenvalue, divided by this: above it few eigenfunctions
+        remain.
 
     Returns
     -------
@@ -54,9 +66,9 @@ def wave_kernel_signature(eigenvalues: np.ndarray, eigenfunctions: np.ndarray, e
         (p, energies) float64, without units; equal on isometric points whatever the scale of the mesh.
     """
     log_energy = np.log(np.maximum(eigenvalues[1:], 1e-6))
-    levels = np.linspace(log_energy[0], log_energy[-1] / 1.02, energies)
-    spread = 7 * (levels[1] - levels[0])
-    weights = np.exp(-((levels[:, None] - log_energy[None, :]) ** 2) / (2 * spread**2))
+    levels = np.linspace(log_energy[0], log_energy[-1] / top, energies)
+    deviation = spread * (levels[1] - levels[0])
+    weights = np.exp(-((levels[:, None] - log_energy[None, :]) ** 2) / (2 * deviation**2))
     weights /= weights.sum(axis=1, keepdims=True)
     return eigenfunctions[:, 1:] ** 2 @ weights.T
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..geometry.interpolation import _means, interpolate_nearby, squared_distances
+from ..geometry.interpolation import interpolate_nearby, inverse_distance_means, squared_distances
 from ..mesh.measure import cross_products
 from ..surface.surface import Surface
 from .register import Registration, edge_stretches
@@ -60,7 +60,7 @@ def confidence_features(
     beside = np.exp(-((source.proxy_geodesics / BESIDE) ** 2))
     beside /= beside.sum(axis=1, keepdims=True)
     return {
-        "distances": _means(source.proxy_distances.T, disagreement[None])[0],
+        "distances": inverse_distance_means(source.proxy_distances.T, disagreement[None])[0],
         "residual": beside @ registration.residual,
         "stretch": beside @ edge_strain(source, target, registration),
         "stability": stability(target, target.mesh.vertices[registration.image]),
