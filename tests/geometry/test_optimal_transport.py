@@ -24,7 +24,7 @@ def test_no_part_is_left_over():
     generator = np.random.default_rng(0)
     legs = np.repeat([[0.0, 0.0], [0.3, 0.0]], 20, axis=0) + generator.normal(0, 0.08, (40, 2))
     shifted = legs - [0.16, 0.0]
-    late = [Transport(shifted, legs, balance).plan[:, 20:].sum() / 40 for balance in (0.0, 0.8, 1.0)]
+    late = [Transport(shifted, legs, balance=balance).plan[:, 20:].sum() / 40 for balance in (0.0, 0.8, 1.0)]
     assert late[0] < 0.32
     assert late[0] + 0.02 < late[1] < late[2] - 0.05
 
