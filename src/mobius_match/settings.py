@@ -15,7 +15,7 @@ PAPER_VOTES_RANGE = (5_000_000, 20_000_000)
 
 def _check(condition: bool, what: str, value: object, remedy: str) -> None:
     if not condition:
-        raise SettingsError(f"{what} is {value!r}; {remedy}")
+        raise SettingsError(f"`{what}` is {value!r}; {remedy}")
 
 
 def _check_choice(what: str, value: object, choices: tuple[str, ...]) -> None:
@@ -180,5 +180,6 @@ def make_settings(preset: str | None = None, **overrides: Any) -> MatchSettings:
         _check_choice("preset", preset, tuple(PRESETS))
     known = {f.name for f in fields(MatchSettings)}
     for name in overrides:
-        _check(name in known, "setting", name, f"known settings are {', '.join(sorted(known))}")
+        if name not in known:
+            raise SettingsError(f"unknown setting {name!r}; known settings are {', '.join(sorted(known))}")
     return replace(MatchSettings(), **{**(PRESETS[preset] if preset else {}), **overrides})

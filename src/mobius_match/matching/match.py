@@ -99,7 +99,7 @@ def match(
     chosen = make_settings(preset, **settings)
     guided = chosen.proposal == "guided"
     if landmarks is not None and not guided:
-        raise SettingsError("landmarks guide triplets, and uniform ones (the paper's) are not guided; leave one out")
+        raise SettingsError("`landmarks` need guided proposals, and `proposal` is 'uniform'; leave one of the two out")
     start = time.perf_counter()
     # Both are read and checked before the work on either begins.
     preparation = chosen.preparation()
@@ -144,7 +144,7 @@ def match(
         matches = with_given_pairs(matches, constraints, second)
     if not len(matches["pairs"]):
         raise NothingFoundError(
-            f"{first.mesh.name} and {second.mesh.name}: no match is likely enough to be right; lower --threshold, or "
+            f"{first.mesh.name} and {second.mesh.name}: no match is likely enough to be right; lower `threshold`, or "
             "the shapes have too little in common" + "".join(f" ({note})" for note in of_parts)
         )
     timings["matches"] = time.perf_counter() - begin
@@ -306,7 +306,7 @@ def process(
     if not len(pairs):
         raise NothingFoundError(
             f"{source.mesh.name} and {target.mesh.name}: none of {settings.number_of_votes()} triplets of points "
-            "gained a vote; lower --min-fraction or raise --votes, or the shapes have too little in common"
+            "gained a vote; lower `min_fraction` or raise `votes`, or the shapes have too little in common"
         )
     threshold = VOTES_THRESHOLD if settings.threshold is None else settings.threshold
     trusted = confidence >= threshold

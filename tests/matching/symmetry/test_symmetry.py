@@ -142,16 +142,16 @@ def test_meshes_of_a_few_vertices_end_well(shape):
     try:
         assert mm.symmetry(shape).score > 0.5
     except mm.NothingFoundError as error:
-        assert "--votes" in str(error)
+        assert "`votes`" in str(error)
 
 
 def test_nothing_found_says_what_to_do():
-    with pytest.raises(mm.NothingFoundError, match=r"array: no mirror symmetry .*raise --votes"):
+    with pytest.raises(mm.NothingFoundError, match=r"array: no mirror symmetry .*raise `votes`"):
         mm.symmetry(lump(3), samples=6)
 
 
 def test_unknown_and_wrong_settings_are_refused():
-    with pytest.raises(mm.SettingsError, match=r"'threshold'.*known settings of a symmetry are .*votes"):
+    with pytest.raises(mm.SettingsError, match=r"'threshold'.*known symmetry settings are .*votes"):
         mm.symmetry(lump(2), threshold=0.5)
     with pytest.raises(mm.SettingsError, match="samples"):
         mm.symmetry(lump(2), samples=2)

@@ -165,7 +165,7 @@ def symmetry(thing: Any, *, cache: bool = False, progress: Progress | None = Non
     known = [f.name for f in fields(PrepareSettings)] + ["votes", "seed", "jobs"]
     for name in settings:
         if name not in known:
-            raise SettingsError(f"setting is {name!r}; known settings of a symmetry are {', '.join(sorted(known))}")
+            raise SettingsError(f"unknown setting {name!r}; known symmetry settings are {', '.join(sorted(known))}")
     chosen = make_settings(**settings)
     start = time.perf_counter()
     half = begin_preparation(thing, chosen.preparation(), cache)
@@ -278,7 +278,7 @@ class _Distances:
 def _nothing(surface: Surface, votes: Votes) -> NothingFoundError:
     return NothingFoundError(
         f"{surface.mesh.name}: no mirror symmetry was found with {votes.n_triplets} triplets of points; "
-        "raise --votes or --samples, or the shape has none"
+        "raise `votes` or `samples`, or the shape has none"
     )
 
 
