@@ -32,7 +32,7 @@ PAPER_VOTES_RANGE = (5_000_000, 20_000_000)
 
 def _check(condition: bool, what: str, value: object, remedy: str) -> None:
     if not condition:
-        raise SettingsError(f"{what} is {value!r}; {remedy}")
+        raise SettingsError(f"`{what}` is {value!r}; {remedy}")
 
 
 def _check_choice(what: str, value: object, kind: Any) -> None:

@@ -4,11 +4,13 @@ import os
 import pty
 import signal
 import threading
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
-from mobius_match.cli.common import exit_code
+import mobius_match as mm
+from mobius_match.cli.common import exit_code, option_names
 from mobius_match.cli.signals import Terminated
 from mobius_match.errors import MobiusError
 
@@ -32,8 +34,8 @@ def ended_with(ended, code, *words):
         (["--proposal", "best"], ["proposal", "guided", "uniform"]),
         (["--preset", "papers"], ["preset", "paper"]),
         (["--distance", "manhattan"], ["distance", "euclidean", "spherical"]),
-        (["--min-fraction", 1.5], ["min_fraction", "1.5"]),
-        (["--min-fraction", "nan"], ["min_fraction", "nan"]),
+        (["--min-fraction", 1.5], ["--min-fraction", "1.5"]),
+        (["--min-fraction", "nan"], ["--min-fraction", "nan"]),
         (["--geodesics", "exactly"], ["geodesics", "heat", "dijkstra"]),
         (["--triangulation", "none"], ["triangulation", "delaunay", "mesh"]),
         (["--assignment", "none"], ["assignment", "greedy", "linear"]),
@@ -233,3 +235,48 @@ def test_no_colours_and_no_progress_where_there_is_no_terminal(start_mobius, pai
     assert "\x1b" not in out + err
     assert "\r" not in out + err
     assert "voting" not in err
+
+
+@pytest.mark.parametrize(
+    ("command", "arguments", "value", "shown"),
+    [
+        ("match", ("no.off", "such.off", "--threshold", 2), {"threshold": 2.0}, "--threshold is 2.0"),
+        ("match", ("no.off", "such.off", "--min-fraction", 2), {"min_fraction": 2.0}, "--min-fraction is 2.0"),
+        ("symmetry", ("no.off", "--samples", 1), {"samples": 1}, "--samples is 1"),
+        ("prepare", ("no.off", "-o", ".", "--geodesics", "flat"), {"geodesics": "flat"}, "--geodesics is 'flat'"),
+    ],
+)
+def test_python_names_the_argument_and_the_command_its_option(mobius, command, arguments, value, shown):
+    with pytest.raises(mm.SettingsError) as error:
+        mm.match("no.off", "such.off", **value)
+    (name, given), *_ = value.items()
+    assert str(error.value).startswith(f"`{name}` is {given!r}; ")
+    rest = str(error.value).split(";")[1]
+    assert mobius(command, *arguments).err == f"error: {shown};{rest}\n"
+
+
+def test_a_hint_names_the_options_of_the_command(mobius, pair):
+    options = {"samples": 40, "votes": 10, "proposal": "uniform", "min_fraction": 1}
+    with pytest.raises(mm.NothingFoundError, match="lower `min_fraction` or raise `votes`"):
+        mm.match(*pair[:2], **options)
+    words = [part for name, value in options.items() for part in (f"--{name.replace('_', '-')}", value)]
+    assert "lower --min-fraction or raise --votes" in mobius("match", *pair[:2], *words).err
+
+
+def test_warnings_of_a_result_name_the_options_of_the_command(mobius, pair, monkeypatch):
+    from mobius_match.matching import match as module
+
+    found = mm.match(*pair[:2], samples=30, votes=2000)
+    warned = replace(found, warnings=("ambiguous; give `landmarks`, or a `flag` or `alternatives` to `mobius`",))
+    monkeypatch.setattr(module, "match", lambda *_, **__: warned)
+    ended = mobius("match", *pair[:2])
+    assert ended.err == "ambiguous; give --landmarks, or a `flag` or --alternatives to `mobius`\n"
+
+
+def test_arguments_have_the_names_of_the_usage_line():
+    from mobius_match.cli.bench import bench
+    from mobius_match.cli.match import match
+
+    assert option_names(match)["source"] == "SOURCE"
+    assert option_names(match)["min_fraction"] == "--min-fraction"
+    assert option_names(bench)["output"] == "--output"

@@ -185,7 +185,7 @@ def test_landmarks_that_are_known(mobius, result, pair, tmp_path):
         ("source,target\n", (), 2, "there is no pair"),
         ("source,target\n1,x\n", (), 3, "known.csv: line 2: 'x' is not a number"),
         ("", (), 3, "known.csv: the file is empty"),
-        ("source,target\n1,2\n", ("--proposal", "uniform"), 2, "landmarks guide triplets"),
+        ("source,target\n1,2\n", ("--proposal", "uniform"), 2, "--landmarks need guided proposals"),
         ("source,target\n1,2\n", ("-o", "known.csv"), 2, "is one of the inputs"),
     ],
 )

@@ -183,7 +183,7 @@ def test_bad_hints_are_told(copies, given, message):
 
 
 def test_uniform_triplets_take_no_hints(copies):
-    with pytest.raises(SettingsError, match="landmarks guide triplets"):
+    with pytest.raises(SettingsError, match="`landmarks` need guided proposals"):
         mm.match(*copies[:2], landmarks=[[0, 0]], proposal="uniform")
 
 

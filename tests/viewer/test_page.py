@@ -245,7 +245,7 @@ def test_a_map_of_other_meshes_is_refused(result, dense):
     wrong = SurfaceMap(
         dense.source, other, dense.target_points, dense.source_points, dense.source_mapped, dense.target_mapped
     )
-    with pytest.raises(MeshError, match="other meshes"):
+    with pytest.raises(MeshError, match="`dense` is a map between other meshes"):
         page(result, dense=wrong)
 
 

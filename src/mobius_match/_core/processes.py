@@ -18,7 +18,7 @@ class Died:
     """Stands for the result of a job whose process ended without one."""
 
 
-DIED = "the process that worked on it ended; most often there is not enough memory, fewer --jobs need less"
+DIED = "its process was killed, most likely for lack of memory; fewer `jobs` need less"
 
 
 class Workers:

@@ -1,4 +1,4 @@
-"""What all commands share: how they end, and what they say on the way."""
+"""What all commands share: exit codes, messages on standard error, and progress."""
 
 from __future__ import annotations
 
@@ -6,9 +6,11 @@ import contextlib
 import functools
 import logging
 import os
+import re
 import signal
 import sys
 from collections.abc import Callable, Iterable, Iterator
+from contextvars import ContextVar
 from types import TracebackType
 from typing import TYPE_CHECKING, Any
 
@@ -21,10 +23,40 @@ if TYPE_CHECKING:
 FAILED, USAGE, UNUSABLE, NOTHING_FOUND, SOME_FAILED = 1, 2, 3, 4, 5
 BROKEN_PIPE = 128 + 13  # as shells report it
 
+_running: ContextVar[Callable[..., None] | None] = ContextVar("running", default=None)
+"""The command that runs."""
+
 
 def say(text: str) -> None:
-    """One message on standard error."""
-    sys.stderr.write(text + "\n")
+    """Write one message to standard error, with options for the Python arguments that it names."""
+    sys.stderr.write(with_options(text) + "\n")
+
+
+def with_options(text: str) -> str:
+    """Replace the Python arguments that a message names by the options of the running command.
+
+    The library writes an argument in backquotes: ``lower `min_fraction` `` becomes ``lower --min-fraction``. Names
+    that the command has no option for stay as they are.
+    """
+    command = _running.get()
+    if command is None or "`" not in text:
+        return text
+    names = option_names(command)
+    return re.sub(r"`(\w+)`", lambda found: names.get(found[1], found[0]), text)
+
+
+def option_names(command: Callable[..., None]) -> dict[str, str]:
+    """The option, or for an argument the name in the usage line, of each parameter of a command."""
+    import typing
+
+    names = {}
+    for name, annotation in typing.get_type_hints(command, include_extras=True).items():
+        for declared in getattr(annotation, "__metadata__", ()):
+            options = [word for word in declared.param_decls or () if word.startswith("--")]
+            is_argument = type(declared).__name__ == "ArgumentInfo"
+            default = (declared.metavar or name.upper()) if is_argument else f"--{name.replace('_', '-')}"
+            names[name] = options[0] if options else default
+    return names
 
 
 def exit_code(error: MobiusError) -> int:
@@ -41,6 +73,7 @@ def guarded(command: Callable[..., None]) -> Callable[..., None]:
 
     @functools.wraps(command)
     def run(**arguments: Any) -> None:
+        _running.set(command)
         with _Guard(arguments["verbose"]):
             command(**arguments)
             sys.stdout.flush()
@@ -133,7 +166,7 @@ class Reporter:
             if self.bar is None:
                 say(line)
             else:
-                self.bar.console.print(line, markup=False, highlight=False, emoji=False, soft_wrap=True)
+                self.bar.console.print(with_options(line), markup=False, highlight=False, emoji=False, soft_wrap=True)
 
     @contextlib.contextmanager
     def compiling(self) -> Iterator[None]:

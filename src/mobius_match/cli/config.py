@@ -35,7 +35,8 @@ def read_config(path: Path) -> dict[str, Any]:
     try:
         make_settings(**config)
     except SettingsError as error:
-        raise SettingsError(f"--config: {path}: {error}") from error
+        # A file has the names themselves, without the backquotes that the command turns into options.
+        raise SettingsError(f"--config: {path}: {str(error).replace('`', '')}") from error
     return config
 
 

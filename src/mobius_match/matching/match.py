@@ -93,9 +93,7 @@ def match(
     """
     chosen = make_settings(preset, **settings)
     if landmarks is not None and chosen.proposal != "guided":
-        raise SettingsError(
-            "`landmarks` guide triplets, and uniform ones (the paper's) are not guided; leave out one of the two"
-        )
+        raise SettingsError("`landmarks` need guided proposals, and `proposal` is 'uniform'; leave one of the two out")
     clock = _Clock()
     first, second = _prepared((source, target), chosen, settings, preset, cache, progress, parameters, clock)
     chosen, target_preparation, of_preparation = settings_used(chosen, first.settings, second.settings)

@@ -209,7 +209,7 @@ class SurfaceMap:
                 found = {name: file[name] for name in file.files}
             head = json.loads(str(found["head"]))
             if (head["format"], head["version"]) != (FORMAT, VERSION):
-                raise FormatError(f"{path}: not a map of version {VERSION}; make it again with mobius match --dense")
+                raise FormatError(f"{path}: not a map of version {VERSION}; compute it again with this version")
             meshes = [
                 Mesh(
                     **{name: found[f"{side}_{name}"] for name in ("vertices", "faces", "vertex_ids", "face_ids")},
@@ -226,9 +226,7 @@ class SurfaceMap:
         except (OSError, ValueError, KeyError, TypeError, EOFError, zipfile.BadZipFile) as error:
             if isinstance(error, FormatError):
                 raise
-            raise FormatError(
-                f"{path}: not a readable map ({error}); make it again with mobius match --dense"
-            ) from error
+            raise FormatError(f"{path}: not a readable map ({error}); compute it again") from error
 
 
 def _rows(values: np.ndarray, number: int, what: str, mesh: Mesh) -> np.ndarray:

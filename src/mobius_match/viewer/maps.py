@@ -45,7 +45,7 @@ def add_map(
         (mine.sha256, len(mine.vertices)) != (side.mesh.sha256, len(side.mesh.vertices))
         for mine, side in zip((dense.source, dense.target), sides, strict=True)
     ):
-        raise MeshError("the map is of other meshes than the result; make it with the result (--dense)")
+        raise MeshError("`dense` is a map between other meshes than those of the result; compute it from this result")
     carried = _both(sides, dense, colours_of(sides[0].shape.vertices))
     note = "Equal colours correspond by the dense map; grey has no counterpart."
     content["colourings"] += [

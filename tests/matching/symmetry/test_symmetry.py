@@ -142,11 +142,11 @@ def test_meshes_of_a_few_vertices_end_well(shape):
     try:
         assert mm.symmetry(shape).score > 0.5
     except mm.NothingFoundError as error:
-        assert "--votes" in str(error)
+        assert "`votes`" in str(error)
 
 
 def test_nothing_found_says_what_to_do():
-    with pytest.raises(mm.NothingFoundError, match=r"array: no mirror symmetry .*raise --votes"):
+    with pytest.raises(mm.NothingFoundError, match=r"array: no mirror symmetry .*raise `votes`"):
         mm.symmetry(lump(3), samples=6)
 
 

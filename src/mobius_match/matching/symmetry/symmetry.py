@@ -294,7 +294,7 @@ class _Distances:
 def _nothing(surface: Surface, votes: Votes) -> NothingFoundError:
     return NothingFoundError(
         f"{surface.mesh.name}: no mirror symmetry was found with {votes.n_triplets} triplets of points; "
-        "raise --votes or --samples, or the shape has none"
+        "raise `votes` or `samples`, or the shape has none"
     )
 
 
