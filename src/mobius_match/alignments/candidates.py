@@ -8,7 +8,7 @@ from itertools import product
 import numpy as np
 
 from .._core.threads import map_threads
-from ..landmarks.constraints import ASTRAY, LandmarkConstraints
+from ..landmarks.constraints import LandmarkConstraints
 from ..settings import MatchSettings
 from ..surface.surface import Surface
 from ..voting.kernel import mutual_pairs
@@ -66,7 +66,8 @@ def alignments(
         terms = cost_terms(source, target, image)
         if constraints is not None:
             displacement = constraints.displacement(source, target, target.proxy[image])
-            terms["landmarks"] = float(np.maximum(displacement - ASTRAY, 0.0).mean())
+            tolerance = constraints.parameters.displacement_tolerance
+            terms["landmarks"] = float(np.maximum(displacement - tolerance, 0.0).mean())
         return terms
 
     def explained(matches: np.ndarray, share: float, backward: bool = False) -> Alignment:

@@ -268,13 +268,13 @@ def _spread(
         if isinstance(found, PartMatch):
             of_part = dense_map(found.part, found.whole, found.registration, whole=False)
             found_map = of_part if found.part_is_source else of_part.inverse
-            return found_map if constraints is None else found_map.with_pairs(*constraints.ends)
+            return found_map if constraints is None else found_map.with_pairs(*constraints.whole_vertices)
         if not found:
             pairs, _ = _assign(votes.matrix, settings)
             image = target.proxy[coarse_map(source, target, pairs[:TRUSTED], constraints).argmax(axis=1)]
             found = [Alignment(image, {}, 0.0, 1.0, constraints=constraints)]
         along = dense_map_of_alignment(source, target, found[0])
-        return along if constraints is None else along.with_pairs(*constraints.ends)
+        return along if constraints is None else along.with_pairs(*constraints.whole_vertices)
 
 
 def _alternatives(
