@@ -295,7 +295,7 @@ def test_landmarks_on_a_simplified_mesh_are_vertices_of_the_users_file(copies):
 def test_landmarks_off_the_surface_are_reported(copies, tmp_path):
     source, target, new = copies
     positions = source.mesh.vertices[[7, 70]]
-    on_source = Landmarks(["nose", "tail"], None, positions + [[0, 0, 0], [9, 0, 0]])
+    on_source = Landmarks(["nose", "tail"], None, positions + np.array([[0, 0, 0], [9, 0, 0]]))
     on_target = Landmarks(["nose", "tail"], None, target.mesh.vertices[new[[7, 70]]])
     paths = [written(tmp_path, f"{k}.csv", [side]) for k, side in enumerate((on_source, on_target))]
     _, notes = landmark_constraints(paths, source, target)
