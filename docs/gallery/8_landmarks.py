@@ -26,7 +26,7 @@ placed = {
     "right hand": source.vertices[source.vertices[:, 0].argmin()],
     "left hand": source.vertices[source.vertices[:, 0].argmax()],
 }
-points, apart = carrier.snapped(np.array(list(placed.values())))
+points, distances = carrier.project(np.array(list(placed.values())))
 places, vertices = carrier.points(points)
 for name, place, vertex in zip(placed, places, vertices, strict=True):
     print(f"{name}: vertex {vertex} at {np.round(place, 3)}")

@@ -4,13 +4,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from mobius_match.alignments.groups import cluster_triplets
 
 import mobius_match as mm
 from mobius_match.alignments.alignment import Alignment, register_iteratively
 from mobius_match.alignments.candidates import HARD, alignments
 from mobius_match.alignments.coarse_map import coarse_map, refined_targets
 from mobius_match.alignments.cost import WEIGHTS, cost_terms
-from mobius_match.alignments.groups import cluster_triplets
 from mobius_match.alignments.selection import rerank_by_registration
 from mobius_match.evaluation import examples
 from mobius_match.settings import MatchSettings

@@ -4,13 +4,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from mobius_match.registration.register import register
 from scipy.spatial import cKDTree
 
 import mobius_match as mm
 from mobius_match.evaluation import examples
 from mobius_match.geometry.interpolation import interpolate_nearby
 from mobius_match.registration.confidence import confidence_features, distances_to_images, match_probabilities
-from mobius_match.registration.register import register
 from tests.shapes import lump
 
 

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from mobius_match.registration.register import register
 
 import mobius_match as mm
 from mobius_match.alignments.alignment import Alignment
@@ -10,7 +11,6 @@ from mobius_match.evaluation import examples
 from mobius_match.evaluation.quality import isometric_distance, quality
 from mobius_match.mesh.topology import edges_of
 from mobius_match.registration.dense import dense_map
-from mobius_match.registration.register import register
 from tests.shapes import lump, rotation
 
 

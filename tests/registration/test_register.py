@@ -4,10 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from mobius_match.registration.register import ALIKE, SKETCHED, _appearance, register, stretching
 
 import mobius_match as mm
 from mobius_match.evaluation import examples
-from mobius_match.registration.register import ALIKE, SKETCHED, _appearance, register, stretching
 from tests.shapes import lump, rotation
 
 

@@ -1,4 +1,4 @@
-"""Between two shapes: bends and coils keep their lengths, rigid motions stay rigid, and the file obeys the format."""
+"""Interpolation between shapes: bends and coils keep edge lengths, rigid motions stay rigid, the file is valid glTF."""
 
 import io
 import json
@@ -22,19 +22,19 @@ TIMES = np.linspace(0, 1, 11)
 
 
 def coiled(vertices, turns, pitch=0.0):
-    """A long tube along z wound round an axis."""
+    """A long tube along z, wound around an axis."""
     length = vertices[:, 2].max()
     angle, radius = vertices[:, 2] / length * 2 * np.pi * turns, length / (2 * np.pi * turns) + vertices[:, 0]
     return np.stack([radius * np.cos(angle), vertices[:, 1] + pitch * vertices[:, 2], radius * np.sin(angle)], axis=1)
 
 
 def lengths(shapes, faces):
-    one, two = edges_of(faces).T
-    return np.linalg.norm(shapes[:, one] - shapes[:, two], axis=2)
+    first, second = edges_of(faces).T
+    return np.linalg.norm(shapes[:, first] - shapes[:, second], axis=2)
 
 
-def beyond(shapes, faces):
-    """How far edges come to lie below the shorter and above the longer of their two ends, as parts of these."""
+def excess(shapes, faces):
+    """Largest relative shortening below and lengthening above an edge's lengths at both ends."""
     found = lengths(shapes, faces)
     low, high = np.sort(found[[0, -1]], axis=0)
     return 1 - (found / low).min(), (found / high).max() - 1
@@ -47,9 +47,9 @@ def test_a_bent_tube_keeps_its_lengths_where_a_straight_line_collapses(turns, pi
     shapes = interpolate(vertices, end, faces, TIMES)
     np.testing.assert_array_equal(shapes[0], vertices)
     np.testing.assert_array_equal(shapes[-1], end)
-    assert max(beyond(shapes, faces)) < most
+    assert max(excess(shapes, faces)) < most
     straight = vertices + TIMES[:, None, None] * (end - vertices)
-    assert beyond(straight, faces)[0] > 0.4
+    assert excess(straight, faces)[0] > 0.4
     # Nothing jumps: no step is much longer than the mean of a vertex's steps.
     steps = np.linalg.norm(np.diff(shapes, axis=0), axis=2)
     assert (steps.max(axis=0) < 2.5 * steps.mean(axis=0) + 0.05).all()
@@ -70,8 +70,10 @@ def test_a_rigid_motion_stays_rigid_and_its_centre_goes_straight():
     solid = trimesh.Trimesh(vertices, faces, process=False)
     centres = np.einsum("m,tmcd->td", solid.area_faces / solid.area / 3, shapes[:, faces])
     np.testing.assert_allclose(centres, centres[0] + TIMES[:, None] * (centres[-1] - centres[0]), atol=1e-9)
-    # Between two moments it always turns by the same.
-    steps = [trimesh.registration.procrustes(one, two, scale=False)[0][:3, :3] for one, two in pairwise(shapes)]
+    # The rotation from one time to the next is always the same.
+    steps = [
+        trimesh.registration.procrustes(before, after, scale=False)[0][:3, :3] for before, after in pairwise(shapes)
+    ]
     np.testing.assert_allclose(steps, [steps[0]] * 10, atol=1e-9)
 
 
@@ -84,7 +86,7 @@ def test_a_shift_and_a_scale_are_linear():
 
 @pytest.fixture(scope="module")
 def surface_map():
-    """A bent tube for each vertex's own image; the last rings have no counterpart."""
+    """The map from a tube to the same tube bent; the last rings have no counterpart."""
     vertices, faces = tube(16, 30, 0.3, 6.0)
     corner = np.empty(len(vertices), np.int64)
     corner[faces.ravel()] = np.arange(faces.size)
@@ -93,7 +95,7 @@ def surface_map():
     return SurfaceMap(Mesh(vertices, faces), Mesh(coiled(vertices, 0.5), faces), points, points, found, found)
 
 
-def test_a_morph_follows_the_map_and_takes_along_what_has_no_counterpart(surface_map):
+def test_vertices_without_a_counterpart_follow_their_neighbours(surface_map):
     shapes = morph(surface_map, TIMES)
     found = surface_map.source_mapped
     np.testing.assert_array_equal(shapes[0], surface_map.source.vertices)
@@ -105,11 +107,11 @@ def test_a_morph_follows_the_map_and_takes_along_what_has_no_counterpart(surface
 
 @pytest.mark.parametrize("times", [[0.5, 1.5], [-0.1], [np.nan]])
 def test_times_outside_are_refused(surface_map, times):
-    with pytest.raises(mm.SettingsError, match="outside 0 to 1"):
+    with pytest.raises(mm.SettingsError, match="`times` has a time outside 0 to 1"):
         morph(surface_map, times)
 
 
-def test_without_any_counterpart_there_is_no_morph(surface_map):
+def test_a_map_without_counterparts_is_refused(surface_map):
     nothing = SurfaceMap(
         surface_map.source,
         surface_map.target,
@@ -122,7 +124,7 @@ def test_without_any_counterpart_there_is_no_morph(surface_map):
         morph(nothing, [0.5])
 
 
-def test_the_animation_obeys_gltf():
+def test_the_animation_is_valid_gltf():
     """The rules of the glTF 2.0 specification for the parts that are used, and what another reader finds."""
     vertices, faces = tube(8, 6)
     shapes = interpolate(vertices, coiled(vertices, 0.3), faces, np.linspace(0, 1, 4))

@@ -1,4 +1,4 @@
-"""What maps made by hand carry: the identity, a tube with a seam, pieces without counterpart."""
+"""Transfer along constructed maps: a renumbering, a tube with a seam, regions without a counterpart."""
 
 import numpy as np
 import pytest
@@ -8,7 +8,8 @@ import mobius_match as mm
 from mobius_match.geometry.points import SurfacePoints, closest_points
 from mobius_match.mesh import Mesh, repair
 from mobius_match.results.surface_map import SurfaceMap
-from mobius_match.transfer.transfer import GREY, Carrier
+from mobius_match.transfer.colours import GREY
+from mobius_match.transfer.transfer import Carrier
 from tests.shapes import lump, renumbered, tube
 
 
@@ -20,21 +21,22 @@ def at_vertices(mesh, vertices):
     return SurfacePoints(faces, mesh.faces[faces], np.eye(3)[place])
 
 
-def renumbering(one, other, number):
+def renumbering(source, target, number):
     """The map between a mesh and a copy in which vertex i has become number[i]."""
     every = np.ones(len(number), bool)
-    return SurfaceMap(one, other, at_vertices(other, number), at_vertices(one, np.argsort(number)), every, every)
+    points = at_vertices(target, number), at_vertices(source, np.argsort(number))
+    return SurfaceMap(source, target, *points, every, every)
 
 
-def nearest(one, other):
-    """The map between two meshes that lie in the same place."""
+def nearest(source, target):
+    """The map to the closest points, between two meshes of one surface."""
 
     def points(a, b):
         near = np.linalg.norm(a.vertices[:, None] - b.vertices, axis=2).argmin(axis=1)
         return closest_points(b.vertices, b.faces, a.vertices, near)
 
-    every = [np.ones(len(mesh.vertices), bool) for mesh in (one, other)]
-    return SurfaceMap(one, other, points(one, other), points(other, one), *every)
+    every = [np.ones(len(mesh.vertices), bool) for mesh in (source, target)]
+    return SurfaceMap(source, target, points(source, target), points(target, source), *every)
 
 
 @pytest.fixture(scope="module")
@@ -56,7 +58,7 @@ def seamed_tube(around, along, turn):
     return Mesh(vertices, faces), uv
 
 
-def test_a_renumbered_copy_gets_everything_unchanged(copy):
+def test_transfer_to_a_renumbered_copy_changes_nothing(copy):
     carrier, number = copy
     rng = np.random.default_rng(0)
     n, m = len(number), len(carrier.source.faces)
@@ -93,20 +95,20 @@ def test_landmarks_on_vertices_and_edges_stay_there(copy):
     np.testing.assert_array_equal(places, carrier.source.vertices)
     ends = carrier.source.vertices[carrier.source.faces[:, :2]]
     on_edges = 0.7 * ends[:, 0] + 0.3 * ends[:, 1]
-    points, apart = carrier.snapped(on_edges)
+    points, distances = carrier.project(on_edges)
     assert ((points.barycentric == 0).sum(axis=1) == 1).all()
-    assert apart.max() < 1e-12
+    assert distances.max() < 1e-12
     np.testing.assert_allclose(carrier.points(points)[0], on_edges, atol=1e-12)
 
 
-def test_places_beside_the_surface_are_moved_onto_it():
+def test_positions_off_the_surface_are_projected():
     sheet = Mesh(*tube(40, 10))
     carrier = Carrier(nearest(sheet, sheet))
     middle = sheet.vertices[sheet.faces[50]].mean(axis=0)
     outward = np.cross(*(sheet.vertices[sheet.faces[50, 1:]] - sheet.vertices[sheet.faces[50, 0]]))
     outward /= np.linalg.norm(outward)
-    points, apart = carrier.snapped(middle[None] + 0.25 * outward)
-    assert apart == pytest.approx([0.25])
+    points, distances = carrier.project(middle[None] + 0.25 * outward)
+    assert distances == pytest.approx([0.25])
     assert points.faces == [50]
     np.testing.assert_allclose(points.values(sheet.vertices), [middle], atol=1e-12)
 
@@ -117,10 +119,10 @@ def test_no_face_of_a_texture_spans_a_seam():
     carrier = Carrier(nearest(source, target))
     found = carrier.uv(uv)
     assert np.ptp(found, axis=1).max() < 0.1
-    # The faces of both tubes are chords, so their places differ by a fraction of an edge's angle.
-    apart = found - wanted
-    apart[..., 0] -= np.round(apart[..., 0])
-    assert np.abs(apart).max() < 0.01
+    # The faces of both tubes are chords, so their points differ by a fraction of an edge's angle.
+    error = found - wanted
+    error[..., 0] -= np.round(error[..., 0])
+    assert np.abs(error).max() < 0.01
     assert np.ptp(wanted, axis=1).max() < 0.1  # so the test could fail: plain interpolation spans the seam
     mean = carrier.values(
         uv[np.argsort(source.faces.ravel())[np.cumsum(np.bincount(source.faces.ravel())) - 1] // 3, 0]
@@ -139,8 +141,8 @@ def test_labels_of_vertices_are_not_mixed():
     assert set(Carrier(nearest(source, target)).values(labels.astype(float)).tolist()) > {10.0, 100.0}
 
 
-def test_joined_vertices_get_what_their_twin_gets(tmp_path):
-    """A sheet cut along a line in its file, which repair sews up, and a vertex that is in no face."""
+def test_vertices_joined_by_repair_get_the_same_values(tmp_path):
+    """A sheet cut along a line in its file, which repair closes, and a vertex that is in no face."""
     vertices, faces = tube(12, 6)
     ring = 36 + np.arange(12)
     doubled = np.concatenate([vertices, vertices[ring], [[9.0, 9, 9]]])
@@ -159,7 +161,7 @@ def test_joined_vertices_get_what_their_twin_gets(tmp_path):
     np.testing.assert_array_equal(carrier.missing, np.isnan(found))
 
 
-def test_what_has_no_counterpart_is_told(copy):
+def test_what_has_no_counterpart_is_marked(copy):
     whole = copy[0].map
     lost = whole.target.vertices[:, 2] > 0.5
     gone = whole.source.vertices[:, 2] > 0.5
@@ -179,18 +181,39 @@ def test_what_has_no_counterpart_is_told(copy):
     np.testing.assert_array_equal(np.isnan(places).any(axis=1), gone)
 
 
+def test_transfer_of_numbers_is_that_of_the_map(copy):
+    carrier = copy[0]
+    values = np.random.default_rng(1).normal(size=(len(carrier.source.vertices), 2))
+    np.testing.assert_array_equal(carrier.values(values), carrier.map.transfer(values))
+
+
+def test_of_two_repaired_vertices_with_one_number_the_first_decides():
+    """A vertex on a cut is two vertices of the repaired mesh."""
+    source = Mesh(np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0]]), np.array([[0, 1, 2]]))
+    target = Mesh(
+        source.vertices[[0, 1, 2, 1]],
+        np.array([[0, 1, 2], [0, 2, 3]]),
+        vertex_ids=np.array([0, 1, 2, 1]),
+        n_file_vertices=3,
+    )
+    every = np.ones(4, bool)
+    to_source = at_vertices(source, np.array([0, 1, 2, 0]))
+    surface_map = SurfaceMap(source, target, at_vertices(target, np.arange(3)), to_source, every[:3], every)
+    np.testing.assert_array_equal(surface_map.transfer(np.array([5.0, 6.0, 7.0])), [5, 6, 7])
+
+
 @pytest.mark.parametrize(
     ("method", "given", "message"),
     [
         ("values", np.ones(7), "has 162 vertices: one row of numbers is needed for each, not float64 of shape (7,)"),
         ("values", np.full(162, "a"), "one row of numbers"),
-        ("colors", np.ones((162, 2)), "rows of 3 or 4 numbers"),
+        ("colors", np.ones((162, 2)), "`colors` must be rows of 3 or 4 numbers"),
         ("colors", np.full((162, 3), 256), "from 0 to 255"),
         ("labels", np.ones(7, int), "has 320 faces, and 7 values were given"),
         ("labels", np.ones(320), "whole numbers"),
-        ("uv", np.ones((320, 2)), "need (triangles, 3, 2)"),
+        ("uv", np.ones((320, 2)), "`uv` has shape (320, 2), and its 320 triangles need (320, 3, 2)"),
         ("at_vertices", np.array([3, 162]), "has no vertex 162; it has 162"),
-        ("snapped", np.array([[0, 0, np.nan]]), "not a finite number"),
+        ("project", np.array([[0, 0, np.nan]]), "`positions` has a coordinate that is not a finite number"),
     ],
 )
 def test_errors_say_what_is_needed(copy, method, given, message):

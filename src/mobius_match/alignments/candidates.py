@@ -14,7 +14,7 @@ from itertools import product
 import numpy as np
 
 from .._core.threads import map_threads
-from ..landmarks.constraints import ASTRAY, LandmarkConstraints
+from ..landmarks.constraints import LandmarkConstraints
 from ..settings import MatchSettings
 from ..surface.surface import Surface
 from ..voting.kernel import mutual_pairs
@@ -76,7 +76,8 @@ def candidate_alignments(
         terms = cost_terms(source, target, image, parameters.cost)
         if constraints is not None:
             displacement = constraints.displacement(source, target, target.proxy[image])
-            terms["landmarks"] = float(np.maximum(displacement - ASTRAY, 0.0).mean())
+            tolerance = constraints.parameters.displacement_tolerance
+            terms["landmarks"] = float(np.maximum(displacement - tolerance, 0.0).mean())
         cost = total_cost(terms, parameters.cost.weights)
         return Alignment(target.proxy[image], terms, cost, share, constraints=constraints)
 

@@ -11,7 +11,7 @@ from ..landmarks.rows import SIDES
 from ..mesh.measure import unit_box
 from ..mesh.user_mesh import repaired_numbers, user_mesh
 from ..mesh.writing import mesh_files
-from ..transfer.transfer import GREY
+from ..transfer.colours import GREY
 from .content import DIRECTION, Content
 from .figures import colours_of, numbered
 

@@ -263,7 +263,7 @@ def _dense_map(
             dense = dense_map_of_whole(
                 source, target, outcome.votes, outcome.alignments, settings, parameters, constraints
             )
-    return dense if constraints is None else dense.with_pairs(*constraints.ends)
+    return dense if constraints is None else dense.with_pairs(*constraints.whole_vertices)
 
 
 def _alternatives(

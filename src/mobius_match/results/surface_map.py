@@ -128,11 +128,12 @@ class SurfaceMap:
             If there is not one row for each vertex of the source's file.
         """
         values = _rows(values, self.source.n_file_vertices, "vertices", self.source).astype(np.float64)
-        carried = np.full((self.target.n_file_vertices, *values.shape[1:]), np.nan)
-        of_corners = values[self.source.vertex_ids[self.source_points.corners]]
-        carried[self.target.vertex_ids] = np.einsum("qc,qc...->q...", self.source_points.barycentric, of_corners)
-        carried[self.target.vertex_ids[~self.target_mapped]] = np.nan
-        return carried
+        at_vertices = self.source_points.values(values[self.source.vertex_ids])
+        at_vertices[~self.target_mapped] = np.nan
+        transferred = np.full((self.target.n_file_vertices, *values.shape[1:]), np.nan)
+        # Backwards, so that of several vertices with one number in the file the first decides.
+        transferred[self.target.vertex_ids[::-1]] = at_vertices[::-1]
+        return transferred
 
     def transfer_labels(self, labels: np.ndarray) -> np.ndarray:
         """Carry labels of the source's faces to the target's; a label is never mixed with another.

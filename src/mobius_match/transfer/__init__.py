@@ -1,1 +1,1 @@
-"""What is carried along a dense map."""
+"""Transfer of attributes and shapes along a dense map, and interpolation between two shapes."""
