@@ -1,4 +1,4 @@
-"""Which point of one surface is which point of another: Möbius Voting for Surface Correspondence.
+"""Matching points between two surfaces: Möbius Voting for Surface Correspondence.
 
 >>> import mobius_match as mm
 >>> result = mm.match("cat0.off", "cat1.off", seed=0)  # doctest: +SKIP
@@ -10,7 +10,15 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from .errors import FormatError, MeshError, MobiusError, NothingFoundError, SettingsError, TopologyError
+from .errors import (
+    FormatError,
+    MeshError,
+    MissingPackageError,
+    MobiusError,
+    NothingFoundError,
+    SettingsError,
+    TopologyError,
+)
 from .results.actions import provide
 
 if TYPE_CHECKING:
@@ -18,29 +26,38 @@ if TYPE_CHECKING:
     from .evaluation.quality import Quality, isometric_distance, quality
     from .exporting.figures import draw_matches, draw_shapes
     from .exporting.formats import export
-    from .landmarks.formats import read_landmarks
+    from .geometry.points import SurfacePoints
+    from .landmarks.formats import read_landmarks, write_landmarks
     from .landmarks.tables import Landmarks
     from .matching.match import match
     from .matching.rematch import rematch
-    from .matching.symmetry.symmetry import Symmetry, symmetry
+    from .matching.symmetry.symmetry import symmetry
     from .mesh import Mesh, read_mesh
     from .results.correspondence import Correspondence
+    from .results.functional import Eigenbasis
+    from .results.matches import Alternative
     from .results.surface_map import SurfaceMap
+    from .results.symmetry import Symmetry
     from .settings import MatchSettings, PrepareSettings
     from .surface.prepare import prepare
     from .surface.surface import Surface
     from .transfer.animation import animated_glb
     from .transfer.morph import morph
+    from .transfer.transfer import Transfer
     from .viewer import page
+    from .viewer.opening import View
+    from .voting.votes import Votes
 
 __version__ = "0.1.0"
 
 # Names that need numerical libraries are imported when they are first used, so that the command answers at once.
 _HOMES = {
+    "Alternative": "results.matches",
     "animated_glb": "transfer.animation",
     "Correspondence": "results.correspondence",
     "draw_matches": "exporting.figures",
     "draw_shapes": "exporting.figures",
+    "Eigenbasis": "results.functional",
     "export": "exporting.formats",
     "isometric_distance": "evaluation.quality",
     "Landmarks": "landmarks.tables",
@@ -58,20 +75,32 @@ _HOMES = {
     "rematch": "matching.rematch",
     "Surface": "surface.surface",
     "SurfaceMap": "results.surface_map",
-    "Symmetry": "matching.symmetry.symmetry",
+    "SurfacePoints": "geometry.points",
+    "Symmetry": "results.symmetry",
     "symmetry": "matching.symmetry.symmetry",
+    "Transfer": "transfer.transfer",
+    "View": "viewer.opening",
+    "Votes": "voting.votes",
+    "write_landmarks": "landmarks.formats",
 }
 
 # What a result does by name, of rooms that it does not import itself.
-provide(show=f"{__name__}.viewer:show", export=f"{__name__}.exporting.formats:export")
+provide(
+    show=f"{__name__}.viewer:show",
+    export=f"{__name__}.exporting.formats:export",
+    endings=f"{__name__}.exporting.formats:endings",
+)
 
 __all__ = [
+    "Alternative",
     "Correspondence",
+    "Eigenbasis",
     "FormatError",
     "Landmarks",
     "MatchSettings",
     "Mesh",
     "MeshError",
+    "MissingPackageError",
     "MobiusError",
     "NothingFoundError",
     "PrepareSettings",
@@ -79,8 +108,12 @@ __all__ = [
     "SettingsError",
     "Surface",
     "SurfaceMap",
+    "SurfacePoints",
     "Symmetry",
     "TopologyError",
+    "Transfer",
+    "View",
+    "Votes",
     "__version__",
     "animated_glb",
     "draw_matches",
@@ -97,6 +130,7 @@ __all__ = [
     "read_mesh",
     "rematch",
     "symmetry",
+    "write_landmarks",
 ]
 
 

@@ -25,3 +25,7 @@ class SettingsError(MobiusError):
 
 class NothingFoundError(MobiusError):
     """The search ended without a correspondence (exit code 4)."""
+
+
+class MissingPackageError(MobiusError, ImportError):
+    """A package that is optional, needed for what was asked, and not installed."""

@@ -148,8 +148,8 @@ def test_alternatives_without_a_likely_match_are_told_without_matches():
     """Asked for with a threshold that no match reaches."""
     result = mm.match(*examples.paths("person"))
     assert all(len(one.pairs) > 0 for one in result.alternatives)
-    *surfaces_and_votes, _ = result.others.args
-    unlikely = result.others.func(*surfaces_and_votes, make_settings(threshold=1.0))
+    *surfaces_and_votes, _ = result._make_alternatives.args
+    unlikely = result._make_alternatives.func(*surfaces_and_votes, make_settings(threshold=1.0))
     assert [len(one.pairs) for one in unlikely] == [0] * len(result.alternatives) != []
 
 

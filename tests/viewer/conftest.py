@@ -10,7 +10,8 @@ from mobius_match import match
 from mobius_match.evaluation import Truth
 from mobius_match.geometry.points import SurfacePoints
 from mobius_match.mesh import as_mesh, repair
-from mobius_match.results.correspondence import Alternative, Correspondence
+from mobius_match.results.correspondence import Correspondence
+from mobius_match.results.matches import Alternative
 from mobius_match.results.surface_map import SurfaceMap
 from mobius_match.viewer import page
 from tests import shapes
@@ -41,7 +42,7 @@ def result(mesh):
         warnings=("two.off: a <b>note</b>",),
         source=Prepared(mesh),
         target=Prepared(mesh),
-        others=lambda: (other,),
+        _make_alternatives=lambda: (other,),
     )
 
 

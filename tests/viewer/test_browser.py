@@ -14,7 +14,7 @@ import numpy as np
 from matplotlib.image import imread
 
 from mobius_match import Correspondence
-from mobius_match.viewer import page
+from mobius_match.viewer import View, page
 from tests.viewer.pages import (
     ROWS,
     STATUS,
@@ -302,7 +302,7 @@ def test_names_and_notes_of_files_stay_text(browser, tmp_path, mesh, result):
         target=Prepared(mesh),
     )
     path = tmp_path / "hostile.html"
-    for text in (page(hostile), unescape(re.search(r'srcdoc="([^"]*)"', hostile.show()._repr_html_())[1])):
+    for text in (page(hostile), unescape(re.search(r'srcdoc="([^"]*)"', View(page(hostile))._repr_html_())[1])):
         path.write_text(text, encoding="utf-8")
         browser.open(path)
         browser.key("ArrowRight")
@@ -331,7 +331,11 @@ def test_a_name_written_from_the_right_turns_nothing_else(browser, tmp_path, mes
 def test_no_matches_at_all(browser, tmp_path, result):
     path = tmp_path / "none.html"
     nothing = replace(
-        result, pairs=result.pairs[:0], confidence=result.confidence[:0], kind=result.kind[:0], others=lambda: ()
+        result,
+        pairs=result.pairs[:0],
+        confidence=result.confidence[:0],
+        kind=result.kind[:0],
+        _make_alternatives=lambda: (),
     )
     path.write_text(page(nothing), encoding="utf-8")
     browser.open(path)
@@ -359,7 +363,9 @@ def test_without_webgl_the_table_is_left(browser, file, result):
 def test_in_a_notebook(browser, tmp_path, result):
     """In its frame, where it may not touch what is around."""
     path = tmp_path / "notebook.html"
-    path.write_text(f"<!doctype html><table><tbody></tbody></table>{result.show()._repr_html_()}", encoding="utf-8")
+    path.write_text(
+        f"<!doctype html><table><tbody></tbody></table>{View(page(result))._repr_html_()}", encoding="utf-8"
+    )
     browser.open(path)
     end = time.monotonic() + 30
     while saturated(picture(browser)).mean() < 0.005:

@@ -15,7 +15,7 @@ from mobius_match import Correspondence, FormatError, MeshError, SurfaceMap, mat
 from mobius_match.evaluation import Truth, examples, metrics
 from mobius_match.geometry.points import SurfacePoints
 from mobius_match.mesh import as_mesh, repair
-from mobius_match.viewer import packing, page
+from mobius_match.viewer import View, packing, page
 from mobius_match.voting.mobius import CANONICAL_TRIANGLE, cross_ratio
 from tests import shapes
 from tests.viewer.pages import Prepared, info, write_ply
@@ -254,6 +254,6 @@ def test_the_same_result_gives_the_same_page(result, dense):
 
 
 def test_a_notebook_shows_it_in_a_frame_of_its_own(result):
-    shown = result.show()._repr_html_()
+    shown = View(page(result))._repr_html_()
     frame = re.fullmatch(r'<iframe srcdoc="([^"]*)" sandbox="allow-scripts allow-downloads" [^<>]*></iframe>', shown)
     assert unescape(frame[1]) == page(result)

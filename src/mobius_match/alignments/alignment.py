@@ -7,6 +7,7 @@ from operator import attrgetter
 
 import numpy as np
 
+from .._core.display import one_line
 from .._core.threads import map_threads
 from ..landmarks.constraints import LandmarkConstraints
 from ..registration.parameters import FeatureWeights
@@ -49,6 +50,9 @@ class Alignment:
     registration: Registration | None = None
     shapes_differ: bool = False
     constraints: LandmarkConstraints | None = None
+
+    def __repr__(self) -> str:
+        return one_line(self)
 
     def feature_weights(self, parameters: AlignmentParameters) -> FeatureWeights:
         """Weights of features when the source is registered along it."""

@@ -14,7 +14,7 @@ from .output import STDOUT, check_output, print_table, to_json, write
 if TYPE_CHECKING:
     from rich.table import Table
 
-    from ..matching.symmetry.symmetry import Symmetry
+    from ..results.symmetry import Symmetry
 
 
 def symmetry(

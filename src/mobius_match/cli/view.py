@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tempfile
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -79,25 +78,21 @@ def view(
                 return
         content = _page(found, with_map, truth, explain, reporter)
     if output is not None:
-        write(output, content)
+        write(output, content.encode())
         if not quiet and output != STDOUT:
             say(f"page written to {output}")
         return
-    import webbrowser
+    from ..viewer.opening import open_in_browser
 
-    # The browser reads the file after this command has ended, so it stays.
-    with tempfile.NamedTemporaryFile(prefix="mobius-", suffix=".html", delete=False) as file:
-        file.write(content)
-    if not webbrowser.open(Path(file.name).as_uri()):
-        say(f"no browser was found; open {file.name} in one")
+    path, opened = open_in_browser(content)
+    if not opened:
+        say(f"no browser was found; open {path} in one")
     elif not quiet:
-        say(f"opened {file.name}")
+        say(f"opened {path}")
 
 
-def _page(
-    result: Correspondence, with_map: Path | None, truth: Path | None, explain: bool, reporter: Reporter
-) -> bytes:
-    """The page, as the bytes of a file."""
+def _page(result: Correspondence, with_map: Path | None, truth: Path | None, explain: bool, reporter: Reporter) -> str:
+    """The page, the text of an HTML file."""
     import numpy as np
 
     from ..results.surface_map import SurfaceMap
@@ -118,7 +113,7 @@ def _page(
         if not np.array_equal(again.pairs, result.pairs):
             reporter.notes(["matching again gave other matches: another version of the program made the result"])
         result = replace(result, source=again.source, target=again.target, votes=again.votes)
-    return page(result, dense=dense, truth=known).encode()
+    return page(result, dense=dense, truth=known)
 
 
 def _numbers(option: str, text: str, between: str, kind: type[int] | type[float]) -> tuple[Any, Any]:

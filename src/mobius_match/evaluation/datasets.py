@@ -35,6 +35,7 @@ from pathlib import Path
 
 import numpy as np
 
+from .._core.display import one_line
 from ..errors import FormatError, SettingsError
 from ..mesh.files import READERS, read_mesh
 from .vertexlists import read_lines, read_table, read_vertices
@@ -62,6 +63,9 @@ class Truth:
     mirrored: np.ndarray | None = None
     landmarks: bool = False
 
+    def __repr__(self) -> str:
+        return one_line(self)
+
 
 @dataclass(frozen=True, eq=False)
 class Case:
@@ -81,6 +85,9 @@ class Dataset:
     path: Path
     layout: str
     cases: tuple[Case, ...]
+
+    def __repr__(self) -> str:
+        return one_line(self)
 
 
 def find_dataset(folder: str | os.PathLike[str], pairs: str | os.PathLike[str] | None = None) -> Dataset:

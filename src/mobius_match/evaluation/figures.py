@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from .._core.display import one_line
 from .page import printable
 from .summary import over_pairs
 
@@ -47,6 +48,9 @@ class Line:
     label: str
     values: np.ndarray
     style: dict[str, Any]
+
+    def __repr__(self) -> str:
+        return one_line(self)
 
 
 def run_style(number: int) -> dict[str, Any]:

@@ -1,4 +1,4 @@
-"""How good a dense map looks without knowing the truth: distortion, orientation, coverage, round trip, isometry."""
+"""Quality of a dense map without ground truth: distortion, orientation, coverage, round trip, isometry."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from dataclasses import asdict, dataclass
 import numpy as np
 from scipy.spatial import cKDTree
 
+from .._core.display import html_table
 from ..geometry.geodesics import geodesic_solver
 from ..mesh import Mesh
 from ..mesh.measure import areas, box_scale, cross_products
@@ -22,27 +23,28 @@ NEAR = 1.5
 
 @dataclass(frozen=True, eq=False)
 class Quality:
-    """What a map does to the source, at each of its n1 vertices and as a whole.
+    """The distortion of a map at each of the source's n1 vertices, and how complete the map is.
 
     Parameters
     ----------
     area
-        (n1,) float64: by how much areas grow around each vertex, as logarithm to base 2; 0 for none, after both
-        surfaces are scaled to the same area. NaN, here and below, where nothing corresponds.
+        (n1,) float64: growth of areas around each vertex, as logarithm to base 2, after both surfaces are scaled to the
+        same area; 0 is none. NaN, here and below, without a counterpart.
     angle
-        (n1,) float64: logarithm to base 2 of how much longer the one axis of a small circle's image is than the other.
+        (n1,) float64: anisotropy, as logarithm to base 2 of the ratio of the axes of the ellipse that a small circle is
+        mapped to; 0 is conformal.
     geodesic
-        (n1,) float64: mean difference of the geodesic distances to landmarks, on the source and on the target between
-        the images, per sqrt(area).
+        (n1,) float64: mean difference between the geodesic distances to 20 landmarks on the source and those between
+        their images on the target, per sqrt(area).
     round_trip
-        (n1,) float64: how far from a vertex the way to the target and back ends, per sqrt(area) of the source, in
-        space.
+        (n1,) float64: distance in space between a vertex and the image of its image under the inverse map, per
+        sqrt(area) of the source.
     kept
         (m1,) bool: which of the source's faces have an image with the same orientation.
     orientation
-        Share of the mapped faces whose image keeps the orientation.
+        Share of the mapped faces whose image has the same orientation.
     coverage
-        Share of the target's area that lies within 1.5 edges of the image of a source vertex.
+        Share of the target's area within 1.5 mean edge lengths of the image of a source vertex.
     mapped
         Share of the source's vertices that have a counterpart.
     """
@@ -57,7 +59,13 @@ class Quality:
     mapped: float
 
     def summary(self) -> dict[str, float]:
-        """Single numbers: medians of the magnitudes at the vertices, and the shares."""
+        """The quality in single numbers.
+
+        Returns
+        -------
+        dict
+            Under the names of the fields: medians of the absolute values at the vertices, and the shares.
+        """
         found = {}
         for name, value in asdict(self).items():
             if np.ndim(value) == 0:
@@ -67,18 +75,55 @@ class Quality:
                 found[name] = float(np.median(sizes)) if len(sizes) else float("nan")
         return found
 
+    def __repr__(self) -> str:
+        return (
+            f"<Quality at {len(self.area)} vertices: mapped {self.mapped:.3f}, orientation {self.orientation:.3f}, "
+            f"coverage {self.coverage:.3f}>"
+        )
+
     def __str__(self) -> str:
         found = self.summary()
         return (
             f"{self.mapped:.1%} of the vertices mapped, {self.orientation:.1%} of their faces keep the orientation, "
-            f"{self.coverage:.1%} of the target covered; median distortion: areas x {2 ** found['area']:.2f}, "
-            f"circles 1 : {2 ** found['angle']:.2f}, distances by {found['geodesic']:.3f} of sqrt(area), "
-            f"the way there and back {found['round_trip']:.4f}"
+            f"{self.coverage:.1%} of the target covered; median distortion: area x{2 ** found['area']:.2f}, "
+            f"anisotropy {2 ** found['angle']:.2f}, distance {found['geodesic']:.3f} sqrt(area), "
+            f"round trip {found['round_trip']:.4f} sqrt(area)"
         )
+
+    def _repr_html_(self) -> str:
+        found = self.summary()
+        rows = [
+            ("vertices mapped", f"{self.mapped:.1%}"),
+            ("faces with the same orientation", f"{self.orientation:.1%}"),
+            ("target covered", f"{self.coverage:.1%}"),
+            ("area, median factor", f"{2 ** found['area']:.2f}"),
+            ("anisotropy, median", f"{2 ** found['angle']:.2f}"),
+            ("distance, median per sqrt(area)", f"{found['geodesic']:.3f}"),
+            ("round trip, median per sqrt(area)", f"{found['round_trip']:.4f}"),
+        ]
+        return html_table("Quality of the map", (), rows)
 
 
 def quality(surface_map: SurfaceMap) -> Quality:
-    """What can be said of a map without ground truth."""
+    """Measure the distortion and completeness of a map, without ground truth.
+
+    Parameters
+    ----------
+    surface_map
+        A dense map, ``result.dense()``.
+
+    Returns
+    -------
+    Quality
+        Values at the vertices of the repaired source, and shares.
+
+    Examples
+    --------
+    >>> import mobius_match as mm
+    >>> dense = mm.match(*mm.examples.paths("person"), seed=0).dense()
+    >>> mm.quality(dense).orientation > 0.95
+    True
+    """
     source, target = surface_map.source, surface_map.target
     mapped, images = surface_map.source_mapped, surface_map.positions
     here, there = _unit(source.vertices, source), _unit(images, target)
@@ -115,10 +160,20 @@ def quality(surface_map: SurfaceMap) -> Quality:
 
 
 def isometric_distance(surface_map: SurfaceMap) -> float:
-    """How far two surfaces are from isometric under a map between them; free of units, and the same for the inverse.
+    """How far two surfaces are from isometric, under a map between them.
 
-    The mean difference of geodesic distances between points and between their images, per sqrt(area), of both
-    directions. 0 is for isometric surfaces; distances of two poses of one shape differ by a few hundredths.
+    The mean difference between geodesic distances of points and of their images, per sqrt(area), over both directions.
+    It is the same for the inverse map.
+
+    Parameters
+    ----------
+    surface_map
+        A dense map, ``result.dense()``.
+
+    Returns
+    -------
+    float
+        Without unit: 0 for isometric surfaces, a few hundredths for two poses of one shape.
     """
     both = (geodesic_distortion(surface_map), geodesic_distortion(surface_map.inverse))
     return float(np.mean([np.nanmean(one) for one in both]))

@@ -15,6 +15,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
+from .._core.display import one_line
 from .._core.files import write_atomically
 from .._core.processes import DIED, Died, Workers
 from .._core.threads import Progress
@@ -35,6 +36,9 @@ class Run:
     folder: Path
     info: dict[str, Any]
     records: list[dict[str, Any]]
+
+    def __repr__(self) -> str:
+        return one_line(self)
 
 
 def run(

@@ -128,6 +128,11 @@ def export(
     return list(files)
 
 
+def endings() -> list[str]:
+    """The endings of file names that :func:`export` knows."""
+    return [ending for one in FORMATS.values() for ending in one.endings]
+
+
 def outputs_of(path: Path, format: str | None, side: str | None) -> list[Path]:
     """The names of the files that :func:`export` would write."""
     chosen = _chosen(path, format)

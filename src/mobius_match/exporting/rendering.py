@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from .._core.compiling import jit
+from .._core.display import one_line
 
 GREY = np.array([0.80, 0.81, 0.83], np.float32)
 LAMP = np.array([-0.45, 0.60, 0.66], np.float32)
@@ -23,6 +24,9 @@ class Shape:
     faces: np.ndarray
     normals: np.ndarray
     matched: np.ndarray
+
+    def __repr__(self) -> str:
+        return one_line(self)
 
     def turned(self, azimuth: float, elevation: float) -> Shape:
         """Seen from there: x to the right, y up, z towards the viewer, the middle of the picture at 0."""

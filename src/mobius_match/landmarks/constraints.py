@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from threadpoolctl import threadpool_limits
 
+from .._core.display import one_line
 from ..errors import SettingsError
 from ..geometry.geodesics import geodesic_solver
 from ..geometry.points import SurfacePoints, points_at
@@ -41,6 +42,9 @@ class PointConstraints:
     targets: np.ndarray
     offsets: np.ndarray
     weight: float
+
+    def __repr__(self) -> str:
+        return one_line(self)
 
 
 def apply_constraints(
@@ -97,6 +101,9 @@ class LandmarkConstraints:
     proxy_rows: tuple[np.ndarray, np.ndarray]
     distances: tuple[np.ndarray, np.ndarray]
     parameters: LandmarkParameters
+
+    def __repr__(self) -> str:
+        return one_line(self)
 
     @property
     def inverse(self) -> LandmarkConstraints:

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
+from .._core.files import write_atomically
 from ..errors import FormatError, SettingsError
 from .meshlab import read_pp, write_pp
 from .morphometrics import read_morphologika, read_pts, read_tps, write_morphologika, write_pts, write_tps
@@ -76,6 +77,40 @@ def marks_writer(path: Path) -> MarksWriter:
     if not ending:
         raise SettingsError(f"{path}: unknown ending; landmarks are written as {', '.join(known)}")
     return known[ending]
+
+
+def write_landmarks(
+    landmarks: Landmarks, path: str | os.PathLike[str], *, comment: str = "", coordinate_system: str = "LPS"
+) -> None:
+    """Write landmarks in any format that :func:`read_landmarks` reads, but .npz and .txt.
+
+    An existing file is replaced at once or not at all.
+
+    Parameters
+    ----------
+    landmarks
+        Landmarks with points, in the units of their mesh. Without names they are numbered from 1.
+    path
+        The file; the ending of its name says the format.
+    comment
+        A line for the formats that hold one.
+    coordinate_system
+        ``"LPS"`` or ``"RAS"``: what the coordinates are, for the formats that say so. Nothing is converted.
+
+    Raises
+    ------
+    SettingsError
+        If the ending is that of no format, or there are no points.
+    """
+    path = Path(path)
+    check_system(coordinate_system)
+    write = marks_writer(path)
+    if landmarks.points is None:
+        raise SettingsError(
+            f"{path}: the landmarks have vertex numbers but no points; add the positions"
+        )
+    named = replace(landmarks, names=landmarks.names or [str(k) for k in range(1, len(landmarks) + 1)])
+    write_atomically(path, write([named], comment, coordinate_system))
 
 
 def read_landmarks(

@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from .._core.display import shortened
 from ..errors import FormatError
 
 TEXTS, ARRAYS = (".csv", ".txt"), (".npy", ".npz")
@@ -41,6 +42,10 @@ class Landmarks:
 
     def __len__(self) -> int:
         return len(self.points if self.vertices is None else self.vertices)
+
+    def __repr__(self) -> str:
+        of = f" of {shortened(self.specimen)}" if self.specimen else ""
+        return f"<Landmarks{of}: {len(self)}{'' if self.names else ' without names'}>"
 
     def __getitem__(self, rows: np.ndarray) -> Landmarks:
         names = [self.names[i] for i in np.arange(len(self))[rows]] if self.names else []

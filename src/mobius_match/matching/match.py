@@ -17,7 +17,8 @@ from ..alignments.candidates import alignments_with_landmarks
 from ..alignments.selection import ambiguity_warnings, rerank_by_registration
 from ..errors import NothingFoundError, SettingsError
 from ..landmarks.constraints import LandmarkConstraints, landmark_constraints, with_given_pairs
-from ..results.correspondence import Alternative, Correspondence
+from ..results.correspondence import Correspondence
+from ..results.matches import Alternative
 from ..results.surface_map import SurfaceMap
 from ..settings import MatchOptions, MatchSettings, Preset, make_settings
 from ..surface.prepare import begin_preparation, complete_preparation
@@ -143,8 +144,8 @@ def match(
             *of_landmarks,
             *ambiguity_warnings(outcome.alignments, parameters.alignment),
         ),
-        others=partial(_alternatives, first, second, outcome, chosen, parameters),
-        spread=partial(_dense_map, first, second, outcome, chosen, parameters, constraints),
+        _make_alternatives=partial(_alternatives, first, second, outcome, chosen, parameters),
+        _make_dense=partial(_dense_map, first, second, outcome, chosen, parameters, constraints),
         source=first,
         target=second,
         votes=outcome.votes,

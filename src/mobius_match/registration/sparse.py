@@ -12,6 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from .._core.display import one_line
 from ..geometry.nearest_neighbors import spatial_order
 from ..geometry.normals import vertex_normals
 from ..geometry.spectral import functional_map
@@ -46,6 +47,9 @@ class Registration:
     residual: np.ndarray
     rotations: np.ndarray
     normal_deviation: np.ndarray
+
+    def __repr__(self) -> str:
+        return one_line(self)
 
 
 def register(

@@ -1,14 +1,21 @@
 """What other rooms do with a result, reached from the result without an import of those rooms.
 
 A result is data; it knows no viewer and no export. The package's own ``__init__``, the one place that knows all rooms,
-says here by name what does the work, and it is imported when it is first asked for.
+registers the functions here by name, and each is imported when it is first called.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from importlib import import_module
+from pathlib import Path
 from typing import Any
+
+from ..errors import SettingsError
+
+RESULT_ENDING = ".json"
+MARKUPS_ENDING = ".mrk.json"
+"""Of landmarks for 3D Slicer, which ends like a result file and is exported."""
 
 _PROVIDERS: dict[str, tuple[str, str]] = {}
 
@@ -25,3 +32,24 @@ def action(name: str) -> Callable[..., Any]:
     module, function = _PROVIDERS[name]
     found: Callable[..., Any] = getattr(import_module(module), function)
     return found
+
+
+def is_result_file(path: Path) -> bool:
+    """Whether a result is written there as a result file (JSON), rather than exported for another program.
+
+    Raises
+    ------
+    SettingsError
+        If the ending of the name is that of no format.
+    """
+    name = path.name.lower()
+    is_device = path.exists() and not path.is_file()
+    if is_device or (name.endswith(RESULT_ENDING) and not name.endswith(MARKUPS_ENDING)):
+        return True
+    known = action("endings")()
+    if not name.endswith(tuple(known)):
+        others = ", ".join(one for one in known if one != RESULT_ENDING)
+        raise SettingsError(
+            f"{path}: unknown ending; name it {RESULT_ENDING} for a result file, or for other programs one of {others}"
+        )
+    return False

@@ -1,4 +1,4 @@
-"""The result of a match: pairs of vertices with confidence, and the file they are kept in."""
+"""The result of a match: pairs of vertices with confidence, and the file that holds them."""
 
 from __future__ import annotations
 
@@ -7,15 +7,18 @@ import os
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property, partial
+from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from .._core.display import ROWS, file_name, html_table
 from .._core.files import write_atomically
 from ..errors import FormatError, SettingsError
 from ..geometry.points import SurfacePoints
-from .actions import action
+from .actions import action, is_result_file
+from .matches import Alternative, data_frame, from_rows, to_columns, to_rows
 
 if TYPE_CHECKING:
     from ..surface.surface import Surface
@@ -24,32 +27,6 @@ if TYPE_CHECKING:
 
 FORMAT = "mobius-match/correspondence"
 VERSION = 1
-
-POINT_FIELDS = ("face", "vertices", "barycentric")
-"""What a target point is given by in the file, in the order of :class:`SurfacePoints`."""
-
-
-@dataclass(frozen=True, eq=False)
-class Alternative:
-    """The matches under another explanation of the same two surfaces.
-
-    Parameters
-    ----------
-    pairs, confidence, kind, target_points, given
-        As in :class:`Correspondence`.
-    margin
-        By how much it lost against the chosen explanation, without units; small is close.
-    share
-        The part of the best triplets that spoke for it.
-    """
-
-    pairs: np.ndarray
-    confidence: np.ndarray
-    kind: np.ndarray
-    margin: float
-    share: float
-    target_points: SurfacePoints | None = None
-    given: np.ndarray | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,30 +41,30 @@ class Correspondence:
         (Q,) float64 in [0, 1], not increasing: the chance that the match lies within 5 % of the target's diameter of
         its true place; with uniform proposals the paper's share of the votes.
     kind
-        (Q,) str: ``"voted"``, or ``"recovered"`` for a pair that its own votes do not give, or hardly, and the others
-        bear out (section 8).
+        (Q,) str: ``"voted"``, or ``"recovered"`` for a pair that has few votes or none, and that follows from the other
+        pairs (section 8).
     target_points
-        Where exactly the Q matches lie: faces and corners in the user's own numbers, and barycentric coordinates.
-        ``pairs`` names the corner that weighs most. None where matches are samples of the target (uniform proposals).
+        (Q,) exact positions of the matches: faces and corners in the user's own numbers, and barycentric coordinates.
+        ``pairs`` has the corner with the largest weight. None where matches are samples of the target (uniform
+        proposals).
     given
         (Q,) bool: which matches are landmarks that the user gave, with confidence 1; None where none were given.
     source_info, target_info
         Path, SHA-256, numbers of vertices and faces, area and geodesic diameter of the two meshes.
-    settings, timings, software
-        What the match was made with, and the seconds that its stages took.
+    settings
+        All settings that took effect, by name. Those of the preparation are the source's; if the target was prepared
+        with others, they stand under ``target_preparation``.
+    timings, software
+        The seconds of each stage, and the versions.
     diagnostics
         How the conjugate functions close (section 5), as fractions of the flattenings' extents, and how many triplets
         were evaluated and voted.
     warnings
-        What a user should know about the meshes and the match, one line each.
+        Notes on the meshes and on doubts about the match, one line each.
     source, target
         The prepared surfaces; None for a result that was loaded from a file.
     votes
         The fuzzy correspondence matrix; None for a result that was loaded from a file.
-    others
-        Makes the :attr:`alternatives`; None for a result that was loaded from a file without them.
-    spread
-        Makes the map that :meth:`dense` gives; None for a result that was loaded from a file.
     """
 
     pairs: np.ndarray
@@ -105,23 +82,44 @@ class Correspondence:
     source: Surface | None = None
     target: Surface | None = None
     votes: Votes | None = None
-    others: Callable[[], tuple[Alternative, ...]] | None = None
-    spread: Callable[[], SurfaceMap] | None = None
+    _make_alternatives: Callable[[], tuple[Alternative, ...]] | None = field(default=None, repr=False)
+    _make_dense: Callable[[], SurfaceMap] | None = field(default=None, repr=False)
 
     def __len__(self) -> int:
         return len(self.pairs)
 
     def __repr__(self) -> str:
-        names = [Path(info["path"] or "array").name for info in (self.source_info, self.target_info)]
-        return f"<Correspondence {names[0]} -> {names[1]}: {len(self)} pairs>"
+        return f"<Correspondence {self._title}: {len(self)} pairs>"
+
+    def _repr_html_(self) -> str:
+        rows = zip(self.pairs.tolist(), self.confidence.tolist(), self.kind.tolist(), strict=True)
+        return html_table(
+            f"{self._title}: {len(self)} pairs, the most confident first",
+            ("", "source vertex", "target vertex", "confidence", "kind"),
+            ((n, i, j, confidence, kind) for n, ((i, j), confidence, kind) in enumerate(islice(rows, ROWS), start=1)),
+            more=len(self) - ROWS,
+            notes=self.warnings,
+        )
+
+    @property
+    def _title(self) -> str:
+        return f"{file_name(self.source_info)} -> {file_name(self.target_info)}"
 
     @cached_property
     def alternatives(self) -> tuple[Alternative, ...]:
-        """The matches under other explanations, the closest loser first; worked out when first asked for."""
-        return () if self.others is None else self.others()
+        """The matches under other alignments, the one with the lowest cost first; computed when first used.
+
+        Empty for a result that was loaded from a file without them.
+        """
+        return () if self._make_alternatives is None else self._make_alternatives()
 
     def dense(self) -> SurfaceMap:
-        """Every vertex of each surface to a point of the other, worked out when first asked for.
+        """The dense map: every vertex of each surface to a point of the other; computed when first used.
+
+        Returns
+        -------
+        SurfaceMap
+            The map, the same object at each call.
 
         Raises
         ------
@@ -132,31 +130,51 @@ class Correspondence:
 
     @cached_property
     def _dense(self) -> SurfaceMap:
-        if self.spread is None:
+        if self._make_dense is None:
             raise SettingsError(
                 "a result that was loaded from a file holds no surfaces to make a dense map of; match them again "
                 "(mobius_match.rematch)"
             )
-        return self.spread()
+        return self._make_dense()
 
     def show(self, dense: SurfaceMap | None = None) -> Any:
-        """The matches on both shapes to turn and to look through, in a notebook; see :func:`mobius_match.viewer.page`.
+        """Show the matches on both shapes on an interactive page: in the notebook, or else in the browser.
 
         Parameters
         ----------
         dense
-            The dense map, to see it too.
+            The dense map (``result.dense()``), for the page to show it too.
+
+        Returns
+        -------
+        mobius_match.viewer.View
+            The page. A notebook shows it; ``View.save`` writes it to a file.
+
+        See Also
+        --------
+        mobius_match.page : What the page shows.
         """
         return action("show")(self, dense=dense)
 
     def to_dict(self, *, alternatives: bool = False) -> dict[str, Any]:
-        """The result as JSON-able values, in the layout of the result file; with the alternatives if asked for."""
+        """The result as JSON-able values, in the layout of the result file.
+
+        Parameters
+        ----------
+        alternatives
+            Whether to include the alternatives.
+
+        Returns
+        -------
+        dict
+            The content of the result file.
+        """
         content = {
             "format": FORMAT,
             "version": VERSION,
             "source": self.source_info,
             "target": self.target_info,
-            "correspondences": _rows(self),
+            "correspondences": to_rows(self),
             "settings": self.settings,
             "timings": self.timings,
             "software": self.software,
@@ -165,25 +183,89 @@ class Correspondence:
         }
         if alternatives:
             content["alternatives"] = [
-                {"margin": one.margin, "share": one.share, "correspondences": _rows(one)} for one in self.alternatives
+                {"margin": one.margin, "share": one.share, "correspondences": to_rows(one)} for one in self.alternatives
             ]
         return content
 
     def to_json(self) -> str:
-        """The text of the result file."""
+        """The text of the result file.
+
+        Returns
+        -------
+        str
+            JSON, without the alternatives.
+        """
         return json.dumps(self.to_dict(), indent=1, allow_nan=False) + "\n"
 
+    def to_dataframe(self) -> Any:
+        """The matches as a pandas data frame, one row each, the most confident first.
+
+        Returns
+        -------
+        pandas.DataFrame
+            Columns ``source`` and ``target`` (vertices, from 0), ``confidence``, ``kind`` and ``given``; where matches
+            are finer than vertices also ``target_face``, its corners ``target_vertex_0`` to ``target_vertex_2``, and
+            their weights ``barycentric_0`` to ``barycentric_2``.
+
+        Raises
+        ------
+        MissingPackageError
+            If pandas is not installed.
+        """
+        return data_frame(to_columns(self))
+
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Write the result as JSON; an existing file is replaced at once or not at all."""
-        write_atomically(Path(path), self.to_json().encode())
+        """Write the result to a file, in the format that the name's ending says.
+
+        An existing file is replaced at once or not at all.
+
+        Parameters
+        ----------
+        path
+            ``.json`` for the result file, which :meth:`load` reads. Other endings are those of :meth:`export`, which
+            also has options and may write a file for each shape.
+
+        Raises
+        ------
+        SettingsError
+            If the ending is that of no format.
+        """
+        path = Path(path)
+        if is_result_file(path):
+            write_atomically(path, self.to_json().encode())
+        else:
+            self.export(path)
 
     def export(self, path: str | os.PathLike[str], **options: Any) -> list[Path]:
-        """Write the matches for other programs; see :func:`mobius_match.exporting.export` for the options."""
+        """Write the matches for other programs.
+
+        Parameters
+        ----------
+        path
+            Where to write; the ending says the format.
+        **options
+            As in :func:`mobius_match.export`.
+
+        Returns
+        -------
+        list of Path
+            The files that were written.
+        """
         return action("export")(self, path, **options)
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Correspondence:
         """Read a result file.
+
+        Parameters
+        ----------
+        path
+            A file of :meth:`save` that ends in ``.json``, or of ``mobius match -o``.
+
+        Returns
+        -------
+        Correspondence
+            The result, without surfaces, votes and dense map; :func:`mobius_match.rematch` gives these.
 
         Raises
         ------
@@ -204,7 +286,7 @@ class Correspondence:
         try:
             rows = content["correspondences"]
             return cls(
-                **_matches(rows),
+                **from_rows(rows),
                 source_info=dict(content["source"]),
                 target_info=dict(content["target"]),
                 settings=dict(content["settings"]),
@@ -212,51 +294,12 @@ class Correspondence:
                 software=dict(content["software"]),
                 diagnostics=dict(content.get("diagnostics", {})),
                 warnings=tuple(content.get("warnings", ())),
-                others=partial(tuple, [_alternative(one) for one in content.get("alternatives", ())]),
+                _make_alternatives=partial(tuple, [_alternative(one) for one in content.get("alternatives", ())]),
             )
         except (KeyError, TypeError, ValueError, OverflowError) as error:
             raise FormatError(f"{path}: the result file is damaged ({error!r}); make it again") from error
 
 
-def _rows(matches: Correspondence | Alternative) -> list[dict[str, Any]]:
-    rows: list[dict[str, Any]] = [
-        {"source": i, "target": j, "confidence": confidence, "kind": kind}
-        for (i, j), confidence, kind in zip(
-            matches.pairs.tolist(), matches.confidence.tolist(), matches.kind.tolist(), strict=True
-        )
-    ]
-    points = matches.target_points
-    if points is not None:
-        values = zip(points.faces.tolist(), points.corners.tolist(), points.barycentric.tolist(), strict=True)
-        for row, value in zip(rows, values, strict=True):
-            row["target_point"] = dict(zip(POINT_FIELDS, value, strict=True))
-    for place in [] if matches.given is None else np.flatnonzero(matches.given):
-        rows[place]["given"] = True
-    return rows
-
-
-def _matches(rows: list[dict[str, Any]]) -> dict[str, Any]:
-    given = np.array([bool(row.get("given")) for row in rows], bool)
-    return {
-        "pairs": np.array([(row["source"], row["target"]) for row in rows], np.int64).reshape(-1, 2),
-        "confidence": np.array([row["confidence"] for row in rows], np.float64),
-        "kind": np.array([row["kind"] for row in rows], dtype="<U9"),
-        "target_points": _points(rows),
-        "given": given if given.any() else None,
-    }
-
-
 def _alternative(content: dict[str, Any]) -> Alternative:
     margin, share = float(content["margin"]), float(content["share"])
-    return Alternative(**_matches(content["correspondences"]), margin=margin, share=share)
-
-
-def _points(rows: list[dict[str, Any]]) -> SurfacePoints | None:
-    if not rows or "target_point" not in rows[0]:
-        return None
-    faces, corners, barycentric = ([row["target_point"][name] for row in rows] for name in POINT_FIELDS)
-    return SurfacePoints(
-        np.array(faces, np.int64).reshape(len(rows)),
-        np.array(corners, np.int64).reshape(len(rows), 3),
-        np.array(barycentric, np.float64).reshape(len(rows), 3),
-    )
+    return Alternative(**from_rows(content["correspondences"]), margin=margin, share=share)

@@ -1,32 +1,29 @@
-"""A dense map: every vertex of one surface to a point of another, both ways, and what is carried along it."""
+"""A dense map between two surfaces: a point of the other for every vertex, in both directions."""
 
 from __future__ import annotations
 
-import io
-import json
 import os
-import zipfile
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
 import numpy as np
 
+from .._core.display import html_table, shortened
 from .._core.files import write_atomically
-from ..errors import FormatError, SettingsError
+from ..errors import SettingsError
 from ..geometry.points import SurfacePoints, closest_points, points_at
 from ..mesh import Mesh
-
-FORMAT = "mobius-match/map"
-VERSION = 1
+from .functional import Eigenbasis, check_count, in_file_order, map_of_functions, repaired_eigenbasis
+from .map_file import read_npz, to_npz
 
 
 @dataclass(frozen=True, eq=False)
 class SurfaceMap:
-    """Every vertex of the source to a point of the target, and every vertex of the target to a point of the source.
+    """A dense map: a point of the target for each vertex of the source, and the reverse.
 
-    Numbers of vertices and faces are those of the repaired meshes; :attr:`vertex_map` and all that is transferred count
-    as the user's own files do.
+    Vertices and faces are numbered as in the repaired meshes. In :attr:`vertex_map`, in what is transferred and in
+    eigenbases they are numbered as in the user's own files.
 
     Parameters
     ----------
@@ -37,7 +34,7 @@ class SurfaceMap:
     source_points
         (n2,) points of the source, one for each vertex of the target.
     source_mapped, target_mapped
-        (n1,) and (n2,) bool: which vertices have a counterpart. Points of the others have no meaning.
+        (n1,) and (n2,) bool: which vertices have a counterpart. The points of the others have no meaning.
     """
 
     source: Mesh
@@ -48,8 +45,25 @@ class SurfaceMap:
     target_mapped: np.ndarray
 
     def __repr__(self) -> str:
-        mapped = f"{int(self.source_mapped.sum())} of {len(self.source_mapped)} vertices"
-        return f"<SurfaceMap {self.source.name} -> {self.target.name}: {mapped}>"
+        return f"<SurfaceMap {self._title}: {self._mapped(self.source_mapped)}>"
+
+    def _repr_html_(self) -> str:
+        rows = [
+            (side, shortened(mesh.name), mesh.n_file_vertices, self._mapped(mapped))
+            for side, mesh, mapped in (
+                ("source", self.source, self.source_mapped),
+                ("target", self.target, self.target_mapped),
+            )
+        ]
+        return html_table(f"Dense map {self._title}", ("", "mesh", "vertices", "with a counterpart"), rows)
+
+    @property
+    def _title(self) -> str:
+        return f"{shortened(self.source.name)} -> {shortened(self.target.name)}"
+
+    @staticmethod
+    def _mapped(mapped: np.ndarray) -> str:
+        return f"{int(mapped.sum())} of {len(mapped)} vertices"
 
     @cached_property
     def inverse(self) -> SurfaceMap:
@@ -72,13 +86,13 @@ class SurfaceMap:
 
     @cached_property
     def positions(self) -> np.ndarray:
-        """Where the source's vertices lie on the target, (n1, 3) float64; NaN for those without counterpart."""
+        """The images of the source's vertices, (n1, 3) float64 in the target's units; NaN without a counterpart."""
         places = self.target_points.values(self.target.vertices)
         places[~self.source_mapped] = np.nan
         return places
 
     def map_points(self, points: SurfacePoints) -> tuple[SurfacePoints, np.ndarray]:
-        """Where points of the source lie on the target.
+        """The images of points of the source on the target.
 
         Parameters
         ----------
@@ -87,10 +101,10 @@ class SurfaceMap:
 
         Returns
         -------
-        images
-            (q,) points of the target: next to the weighted mean of the places of the corners.
-        found
-            (q,) bool: whether every corner that weighs anything has a counterpart.
+        images : SurfacePoints
+            (q,) points of the target: the nearest to the weighted mean of the positions of the corners' images.
+        mapped : numpy.ndarray
+            (q,) bool: whether every corner whose weight is not zero has a counterpart.
         """
         target, size = self.target, float(np.ptp(self.target.vertices, axis=0).max())
         places = np.einsum("qc,qcd->qd", points.barycentric, self.target_points.values(target.vertices)[points.corners])
@@ -102,7 +116,18 @@ class SurfaceMap:
         return images, (self.source_mapped[points.corners] | (points.barycentric == 0)).all(axis=1)
 
     def with_pairs(self, here: np.ndarray, there: np.ndarray) -> SurfaceMap:
-        """The map that takes vertices (k,) of the source to vertices (k,) of the target and back, else the same."""
+        """This map with the images of some vertices replaced by given ones, in both directions.
+
+        Parameters
+        ----------
+        here, there
+            (k,) int64 vertices of the repaired source and target: each maps to the other.
+
+        Returns
+        -------
+        SurfaceMap
+            The new map.
+        """
         found, back_found = self.source_mapped.copy(), self.target_mapped.copy()
         found[here] = back_found[there] = True
         points = self.target_points.replaced(here, points_at(self.target.faces, there))
@@ -110,12 +135,12 @@ class SurfaceMap:
         return SurfaceMap(self.source, self.target, points, back, found, back_found)
 
     def transfer(self, values: np.ndarray) -> np.ndarray:
-        """Carry values at the source's vertices to the target's: numbers, vectors or colours, linear within faces.
+        """Transfer values at the source's vertices to the target's, interpolated linearly within faces.
 
         Parameters
         ----------
         values
-            (n1, ...) numbers, one row for each vertex of the source's file.
+            (n1, ...) numbers, vectors or colours, one row for each vertex of the source's file.
 
         Returns
         -------
@@ -136,7 +161,7 @@ class SurfaceMap:
         return transferred
 
     def transfer_labels(self, labels: np.ndarray) -> np.ndarray:
-        """Carry labels of the source's faces to the target's; a label is never mixed with another.
+        """Transfer labels of the source's faces to the target's; a label is never interpolated.
 
         Parameters
         ----------
@@ -166,68 +191,124 @@ class SurfaceMap:
         carried[mesh.face_ids[order]] = labels[self.source.face_ids[images.faces[order]]]
         return carried
 
+    def eigenbases(self, k: int) -> tuple[Eigenbasis, Eigenbasis]:
+        """The first eigenfunctions of both meshes, in which :meth:`functional_map` is expressed.
+
+        Parameters
+        ----------
+        k
+            Number of eigenfunctions, the constant one included.
+
+        Returns
+        -------
+        source, target : Eigenbasis
+            Eigenvalues (k,), eigenfunctions (n1, k) and (n2, k), and areas (n1,) and (n2,) of the vertices of the
+            user's own files, in the units of each mesh. Eigenfunctions are orthonormal with respect to the areas. The
+            same ``k`` always gives the same functions; the first functions for a larger ``k`` may differ in sign.
+
+        Raises
+        ------
+        SettingsError
+            If ``k`` is no whole number from 1 to the number of vertices less 2.
+        """
+        source, target = self._repaired_eigenbases(k)
+        return in_file_order(source, self.source), in_file_order(target, self.target)
+
+    def functional_map(self, k: int) -> np.ndarray:
+        """The functional map of this map: functions on the source to functions on the target, as a matrix.
+
+        If ``a`` (k,) are the coefficients of a function on the source in the basis ``source`` of :meth:`eigenbases`,
+        then ``functional_map(k) @ a`` are those of the function on the target with the same values at corresponding
+        points, in the basis ``target``. This is the convention of pyFM (``FM`` of shape (k2, k1), made from the
+        point-to-point map of the target's vertices to the source, ``p2p_21``).
+
+        Parameters
+        ----------
+        k
+            Number of eigenfunctions on either side.
+
+        Returns
+        -------
+        numpy.ndarray
+            (k, k) float64: the area-weighted least-squares solution over the target's vertices that have a counterpart.
+            Where all have one it is ``Phi2.T @ A2 @ P @ Phi1``, with the eigenfunctions Phi1 and Phi2, the target's
+            areas A2, and P the interpolation at :attr:`source_points`. The entries have no unit if both meshes have
+            the same area; else the units of sqrt(area of target / area of source).
+
+        Raises
+        ------
+        SettingsError
+            If ``k`` is no whole number from 1 to the number of vertices less 2, or fewer than ``k`` vertices of the
+            target have a counterpart.
+
+        References
+        ----------
+        M. Ovsjanikov, M. Ben-Chen, J. Solomon, A. Butscher and L. Guibas, "Functional Maps: A Flexible Representation
+        of Maps Between Shapes", ACM Transactions on Graphics 31 (4), 2012.
+        """
+        source, target = self._repaired_eigenbases(k)
+        return map_of_functions(source, target, self.source_points, self.target_mapped)
+
+    def _repaired_eigenbases(self, k: int) -> tuple[Eigenbasis, Eigenbasis]:
+        check_count(k, self.source, self.target)
+        return repaired_eigenbasis(self.source, k), repaired_eigenbasis(self.target, k)
+
     def text(self) -> str:
-        """:attr:`vertex_map` as text, a line for each vertex of the source's file."""
+        """The text that :meth:`save` writes.
+
+        Returns
+        -------
+        str
+            :attr:`vertex_map`, a line for each vertex of the source's file.
+        """
         return "\n".join(map(str, self.vertex_map.tolist())) + "\n"
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Write the map: its text, or all of it to a .npz file; an existing file is replaced or kept whole."""
+        """Write the map to a file; an existing file is replaced at once or not at all.
+
+        Parameters
+        ----------
+        path
+            A name that ends in ``.npz`` for all of the map, which :meth:`load` reads. Any other name gets
+            :attr:`vertex_map` as text; :func:`mobius_match.export` writes other formats.
+        """
         path = Path(path)
         write_atomically(path, self.to_npz() if path.suffix.lower() == ".npz" else self.text().encode())
 
     def to_npz(self) -> bytes:
-        """The content of the .npz file: points both ways, and both meshes."""
-        buffer = io.BytesIO()
-        arrays = {
-            f"{side}_{name}": getattr(points, name)
-            for side, points in (("points", self.target_points), ("back", self.source_points))
-            for name in ("faces", "corners", "barycentric")
-        }
-        for side, mesh in (("source", self.source), ("target", self.target)):
-            arrays |= {
-                f"{side}_{name}": getattr(mesh, name) for name in ("vertices", "faces", "vertex_ids", "face_ids")
-            }
-        head = {"format": FORMAT, "version": VERSION} | {
-            side: {"name": mesh.name, "path": None if mesh.path is None else str(mesh.path), "sha256": mesh.sha256}
-            | {"n_file_vertices": mesh.n_file_vertices, "n_file_faces": mesh.n_file_faces}
-            for side, mesh in (("source", self.source), ("target", self.target))
-        }
-        arrays |= {"found": self.source_mapped, "back_found": self.target_mapped, "head": np.array(json.dumps(head))}
-        np.savez(buffer, allow_pickle=False, **arrays)
-        return buffer.getvalue()
+        """The content of the .npz file: the points in both directions, and both meshes.
+
+        Returns
+        -------
+        bytes
+            What :meth:`save` writes.
+        """
+        return to_npz(
+            (self.source, self.target),
+            (self.target_points, self.source_points),
+            (self.source_mapped, self.target_mapped),
+        )
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> SurfaceMap:
         """Read a map that :meth:`save` wrote to a .npz file.
+
+        Parameters
+        ----------
+        path
+            The file.
+
+        Returns
+        -------
+        SurfaceMap
+            The map.
 
         Raises
         ------
         FormatError
             If the file cannot be read or is none of this version.
         """
-        try:
-            with np.load(path, allow_pickle=False) as file:
-                found = {name: file[name] for name in file.files}
-            head = json.loads(str(found["head"]))
-            if (head["format"], head["version"]) != (FORMAT, VERSION):
-                raise FormatError(f"{path}: not a map of version {VERSION}; compute it again with this version")
-            meshes = [
-                Mesh(
-                    **{name: found[f"{side}_{name}"] for name in ("vertices", "faces", "vertex_ids", "face_ids")},
-                    **head[side] | {"path": None if head[side]["path"] is None else Path(head[side]["path"])},
-                    notes=(),
-                )
-                for side in ("source", "target")
-            ]
-            points = [
-                SurfacePoints(*(found[f"{side}_{name}"] for name in ("faces", "corners", "barycentric")))
-                for side in ("points", "back")
-            ]
-            return cls(meshes[0], meshes[1], points[0], points[1], found["found"], found["back_found"])
-        except (OSError, ValueError, KeyError, TypeError, EOFError, zipfile.BadZipFile) as error:
-            if isinstance(error, FormatError):
-                raise
-            raise FormatError(f"{path}: not a readable map ({error}); compute it again") from error
+        return cls(*read_npz(path))
 
 
 def _rows(values: np.ndarray, number: int, what: str, mesh: Mesh) -> np.ndarray:

@@ -15,6 +15,7 @@ import scipy.sparse as sp
 from scipy.sparse.csgraph import connected_components
 
 from .._core.compiling import jit
+from .._core.display import one_line
 from ..geometry.laplacian import IntrinsicMesh, corner_cotangents
 
 TRIED = 100
@@ -42,6 +43,9 @@ class Flattening:
     harmonic: np.ndarray
     cut_face: int
     closure: float
+
+    def __repr__(self) -> str:
+        return one_line(self)
 
 
 def choose_cut_face(mesh: IntrinsicMesh, average_distance: np.ndarray) -> int:

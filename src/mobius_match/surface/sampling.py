@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from .._core.display import one_line
 from ..geometry.curvature import gauss_curvature
 from ..geometry.geodesics import DistanceFunction
 from ..geometry.laplacian import IntrinsicMesh
@@ -33,6 +34,9 @@ class Samples:
     vertices: np.ndarray
     n_maxima: int
     distances: np.ndarray
+
+    def __repr__(self) -> str:
+        return one_line(self)
 
     @property
     def covering_radius(self) -> float:

@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from .._core.display import one_line
 from ..errors import MeshError
 from ..geometry.points import SurfacePoints, closest_points
 from ..mesh import Mesh, require_matchable
@@ -31,6 +32,9 @@ class Detail:
     kept: np.ndarray
     faces: np.ndarray
     barycentric: np.ndarray
+
+    def __repr__(self) -> str:
+        return one_line(self)
 
     def places(self, simple: Mesh) -> SurfacePoints:
         """Where the user's vertices (n,) lie on the simplified mesh: ``places(simple).values(x)`` carries x to them."""

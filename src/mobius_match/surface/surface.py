@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from scipy.sparse.csgraph import dijkstra
 
+from .._core.display import html_table, shortened
 from ..geometry.geodesics import graph_of, nearest_centres
 from ..geometry.spectral import wave_kernel_signature
 from ..mesh import Mesh
@@ -21,7 +22,7 @@ from .storage import load_fields, save_surface
 
 @dataclass(frozen=True, eq=False)
 class Surface:
-    """A prepared mesh: plain arrays, no solver.
+    """A prepared mesh: sample points, flattening, descriptors. It can be matched many times, and saved.
 
     Parameters
     ----------
@@ -30,7 +31,7 @@ class Surface:
     detail
         The repaired mesh and how the simplified one lies on it; None where nothing was simplified.
     settings, parameters
-        What it was prepared with.
+        The settings and the constants of the method that it was prepared with.
     samples
         (N,) int64 vertex numbers of the sample points in ``mesh`` (section 4), maxima of curvature first.
     n_maxima
@@ -46,7 +47,7 @@ class Surface:
     eigenvalues, eigenfunctions
         (k,) float64 and (n, k) float32: of the Laplacian, for a surface of area 1.
     proxy
-        (P,) int64 vertices that stand for the whole surface where detail is not needed, ascending: the samples, and
+        (P,) int64 vertices that represent the whole surface where detail is not needed, ascending: the samples, and
         others drawn evenly by area.
     proxy_edges
         (E, 2) int64 places in ``proxy`` of vertices whose cells touch.
@@ -63,7 +64,7 @@ class Surface:
     timings
         Seconds that each stage took.
     warnings
-        One line each.
+        Notes on the preparation, one line each.
     """
 
     mesh: Mesh
@@ -88,6 +89,26 @@ class Surface:
     diameter: float
     timings: dict[str, float]
     warnings: tuple[str, ...]
+
+    def __repr__(self) -> str:
+        mesh = self.mesh
+        simplified = "" if self.detail is None else f" (simplified from {len(self.whole_mesh.vertices)})"
+        return (
+            f"<Surface {shortened(mesh.name)}: {len(mesh.vertices)} vertices{simplified}, "
+            f"{len(self.samples)} samples, area {self.area:.4g}>"
+        )
+
+    def _repr_html_(self) -> str:
+        info = self.info
+        rows = [
+            ("vertices", info["vertices"]),
+            ("faces", info["faces"]),
+            ("vertices that are computed on", len(self.mesh.vertices)),
+            ("samples", len(self.samples)),
+            ("area", f"{self.area:.4g}"),
+            ("geodesic diameter", f"{self.diameter:.4g}"),
+        ]
+        return html_table(f"Prepared surface {shortened(self.mesh.name)}", (), rows, notes=self.notes)
 
     @property
     def whole_mesh(self) -> Mesh:
@@ -157,12 +178,28 @@ class Surface:
         return nearest_centres(self.mesh.vertices / np.sqrt(self.area), self.mesh.faces, self.proxy)
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Write the surface to a file (numpy's .npz); an existing one is replaced at once or not at all."""
+        """Write the surface to a file; an existing one is replaced at once or not at all.
+
+        Parameters
+        ----------
+        path
+            The file. Name it .npz, so that :func:`mobius_match.match` takes it in place of the mesh.
+        """
         save_surface(self, path)
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Surface:
         """Read a file that :meth:`save` wrote.
+
+        Parameters
+        ----------
+        path
+            The file.
+
+        Returns
+        -------
+        Surface
+            The surface.
 
         Raises
         ------

@@ -10,31 +10,19 @@ import base64
 import hashlib
 import html
 import json
-from dataclasses import dataclass
 from importlib.resources import files
 from typing import TYPE_CHECKING, Any
 
 from ..errors import FormatError
 from . import shapes
+from .opening import View as View
+from .opening import displayed
 
 if TYPE_CHECKING:
     from ..evaluation import Truth
-    from ..results.correspondence import Alternative, Correspondence
+    from ..results.correspondence import Correspondence
+    from ..results.matches import Alternative
     from ..results.surface_map import SurfaceMap
-
-
-@dataclass(frozen=True)
-class View:
-    """A page that a notebook shows."""
-
-    html: str
-
-    def _repr_html_(self) -> str:
-        # A frame of its own: the page neither sees the notebook nor changes it.
-        return (
-            f'<iframe srcdoc="{html.escape(self.html)}" sandbox="allow-scripts allow-downloads" '
-            'title="Matches on both shapes" style="width: 100%; height: 640px; border: 0"></iframe>'
-        )
 
 
 def page(result: Correspondence, *, dense: SurfaceMap | None = None, truth: Truth | None = None) -> str:
@@ -50,6 +38,11 @@ def page(result: Correspondence, *, dense: SurfaceMap | None = None, truth: Trut
         how it distorts, and turn one shape into the other.
     truth
         Known correspondence of the two files, which errors are shown against.
+
+    Returns
+    -------
+    str
+        All of an HTML file.
 
     Raises
     ------
@@ -87,8 +80,8 @@ def page(result: Correspondence, *, dense: SurfaceMap | None = None, truth: Trut
 
 
 def show(result: Correspondence, *, dense: SurfaceMap | None = None) -> View:
-    """The page of a result, for a notebook; see :func:`page`."""
-    return View(page(result, dense=dense))
+    """Show the page of a result in the notebook, or else in the browser; see :func:`page`."""
+    return displayed(page(result, dense=dense))
 
 
 def _harmless(text: str) -> str:

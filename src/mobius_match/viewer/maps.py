@@ -21,7 +21,8 @@ from . import packing
 from .shapes import Side
 
 if TYPE_CHECKING:
-    from ..results.correspondence import Alternative, Correspondence
+    from ..results.correspondence import Correspondence
+    from ..results.matches import Alternative
 
 FRAMES = 9
 """Shapes of the morph, both ends among them; the page takes straight lines between them."""

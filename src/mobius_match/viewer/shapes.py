@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from .._core.display import one_line
 from ..exporting.figures import ELEVATION, RADIUS, best_azimuth, colours_of, mesh_of, numbered, shape_of
 from ..exporting.rendering import Shape
 from ..surface.simplified import simplified
@@ -15,7 +16,8 @@ from . import packing
 
 if TYPE_CHECKING:
     from ..mesh import Mesh
-    from ..results.correspondence import Alternative, Correspondence
+    from ..results.correspondence import Correspondence
+    from ..results.matches import Alternative
     from ..surface.surface import Surface
 
 MOST = 30_000
@@ -48,6 +50,9 @@ class Side:
     vertices: np.ndarray
     kept: np.ndarray
     faces: np.ndarray
+
+    def __repr__(self) -> str:
+        return one_line(self)
 
     @property
     def whole(self) -> bool:

@@ -14,7 +14,8 @@ from . import packing
 from .shapes import Side
 
 if TYPE_CHECKING:
-    from ..results.correspondence import Alternative, Correspondence
+    from ..results.correspondence import Correspondence
+    from ..results.matches import Alternative
     from ..results.surface_map import SurfaceMap
 
 WORST = 0.2

@@ -16,6 +16,7 @@ from typing import Any
 
 import numpy as np
 
+from .._core.display import one_line
 from .._core.threads import Progress
 from ..settings import MatchSettings
 from ..surface.surface import Surface
@@ -80,6 +81,9 @@ class Votes:
     best_target: np.ndarray
     triplet_weights: np.ndarray
     warnings: tuple[str, ...] = ()
+
+    def __repr__(self) -> str:
+        return one_line(self)
 
     def __add__(self, other: Votes) -> Votes:
         """Both together; of equally good triplets those of the first come first."""

@@ -9,6 +9,7 @@ from functools import cached_property
 
 import numpy as np
 
+from ..._core.display import one_line
 from ...alignments.clusters import cluster_triplets
 from ...geometry.curvature import curvatures, rank_correlation
 from ...geometry.directions import directions
@@ -89,6 +90,9 @@ class Placement:
     registration: Registration
     cost: float
     rivals: list[tuple[float, np.ndarray]]
+
+    def __repr__(self) -> str:
+        return one_line(self)
 
     @property
     def margin(self) -> float:

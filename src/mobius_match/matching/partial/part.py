@@ -16,6 +16,7 @@ from enum import Enum
 
 import numpy as np
 
+from ..._core.display import one_line
 from ...geometry.points import SurfacePoints
 from ...landmarks.constraints import LandmarkConstraints
 from ...registration.sparse import Registration
@@ -83,6 +84,9 @@ class PartMatch:
     whole: Surface
     registration: Registration
     part_is_source: bool
+
+    def __repr__(self) -> str:
+        return one_line(self)
 
 
 def match_part(

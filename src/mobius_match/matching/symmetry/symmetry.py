@@ -9,17 +9,13 @@ the whole surface sends each of its points to the other.
 
 from __future__ import annotations
 
-import json
-import os
 import time
-from dataclasses import asdict, dataclass, replace
-from pathlib import Path
+from dataclasses import asdict, replace
 from typing import Any, Unpack
 
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from ..._core.files import write_atomically
 from ..._core.threads import Progress
 from ..._core.versions import software
 from ...alignments.alignment import Alignment
@@ -30,6 +26,7 @@ from ...geometry.geodesics import geodesic_solver
 from ...geometry.nearest_neighbors import nearest_neighbors
 from ...geometry.spectral import functional_map, wave_kernel_signature
 from ...mesh.measure import box_scale, unit_box
+from ...results.symmetry import Symmetry
 from ...settings import SymmetryOptions, check_names, make_settings
 from ...surface.parameters import SurfaceParameters
 from ...surface.prepare import begin_preparation, complete_preparation
@@ -38,9 +35,6 @@ from ...surface.surface import Surface
 from ...voting.assignment import max_row_column
 from ...voting.votes import Votes
 from .swaps import cast_swap_votes
-
-FORMAT = "mobius-match/symmetry"
-VERSION = 1
 
 AGREEMENT_RADIUS = 0.1
 """Distance per sqrt(area) from where the map sends a sample, at which a vote counts 1 / e."""
@@ -58,78 +52,6 @@ STATIONARY = 0.01
 
 HARDLY = 0.65
 """Score below which a user is warned. Of 69 bodies in many poses, none has less than 0.7."""
-
-
-@dataclass(frozen=True, eq=False)
-class Symmetry:
-    """An orientation-reversing symmetry of one mesh: which vertex is the mirror image of which.
-
-    Parameters
-    ----------
-    pairs
-        (Q, 2) int64: two vertices that the symmetry changes for each other, numbers from 0 of the user's own mesh,
-        each pair once, the most confident first.
-    confidence
-        (Q,) float64 in [0, 1], not increasing: the part of the votes for the samples at both points that agrees with
-        where the map of the whole surface sends them, less where the map changes distances. Pairs below 0.4 are left
-        out. It ranks the pairs; it is no probability.
-    stationary
-        (S,) int64, ascending: vertices that the symmetry maps to themselves. Those whose geodesic distances to the two
-        points of a pair differ by no more than the mesh's mean edge, or 1 % of sqrt(area) if that is longer, in the
-        mean over the 30 best pairs. On a closed surface they lie along a loop, or there are none.
-    score
-        How symmetric the surface is, in [0, 1]: 1 - a / b, where a is the mean difference between the wave kernel
-        signatures of a point and of its image, and b that of two points taken at random. 1 is a perfect symmetry,
-        0 is no better than chance.
-    source_info
-        Path, SHA-256, numbers of vertices and faces, area and geodesic diameter of the mesh.
-    settings, timings, software
-        What the symmetry was found with, and the seconds that the stages took.
-    warnings
-        What a user should know about the mesh and the result, one line each.
-    source
-        The prepared surface.
-    """
-
-    pairs: np.ndarray
-    confidence: np.ndarray
-    stationary: np.ndarray
-    score: float
-    source_info: dict[str, Any]
-    settings: dict[str, Any]
-    timings: dict[str, float]
-    software: dict[str, str]
-    warnings: tuple[str, ...]
-    source: Surface
-
-    def __len__(self) -> int:
-        return len(self.pairs)
-
-    def __repr__(self) -> str:
-        name = Path(self.source_info["path"] or "array").name
-        return f"<Symmetry of {name}: {len(self)} pairs, score {self.score:.2f}>"
-
-    def to_dict(self) -> dict[str, Any]:
-        """The result as JSON-able values, in the layout of the result file."""
-        return {
-            "format": FORMAT,
-            "version": VERSION,
-            "source": self.source_info,
-            "pairs": [
-                {"source": int(i), "target": int(j), "confidence": float(c)}
-                for (i, j), c in zip(self.pairs, self.confidence, strict=True)
-            ],
-            "stationary": self.stationary.tolist(),
-            "score": self.score,
-            "settings": self.settings,
-            "timings": self.timings,
-            "software": self.software,
-            "warnings": list(self.warnings),
-        }
-
-    def save(self, path: str | os.PathLike[str]) -> None:
-        """Write the result as JSON; an existing file is replaced at once or not at all."""
-        write_atomically(Path(path), (json.dumps(self.to_dict(), indent=1, allow_nan=False) + "\n").encode())
 
 
 def symmetry(
