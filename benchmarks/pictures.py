@@ -15,7 +15,7 @@ from mobius_match.evaluation import examples
 from mobius_match.exporting.figures import draw_shapes, png
 from mobius_match.mesh.topology import edges_of
 from mobius_match.transfer.morph import morph
-from mobius_match.transfer.transfer import Carrier
+from mobius_match.transfer.transfer import Transfer
 
 SIZE = 420
 
@@ -83,7 +83,7 @@ def labelled(vertices, faces, labels):
 
 
 def transfer_picture(person, quadruped):
-    carrier = Carrier(person)
+    carrier = Transfer(person)
     source, target = carrier.source, carrier.target
     labels = nearest_of_spread(source.vertices[source.faces].mean(axis=1), 14)
     panels = [labelled(mesh.vertices, mesh.faces, part) for mesh, part in
@@ -91,7 +91,7 @@ def transfer_picture(person, quadruped):
     picture, uv = texture(), around(source.vertices, source.faces)
     panels += [textured(mesh.vertices, mesh.faces, part, picture) for mesh, part in
                ((source, uv), (target, np.nan_to_num(carrier.uv(uv))))]  # fmt: skip
-    carrier = Carrier(quadruped)
+    carrier = Transfer(quadruped)
     source, target = carrier.source, carrier.target
     low, high = source.vertices.min(axis=0), source.vertices.max(axis=0)
     colors = np.round(255 * (0.15 + 0.8 * (source.vertices - low) / (high - low))).astype(np.uint8)

@@ -23,7 +23,7 @@ from mobius_match.evaluation import examples
 from mobius_match.exporting.figures import colours_of, draw_matches
 from mobius_match.geometry.laplacian import intrinsic_mesh
 from mobius_match.surface.flattening import choose_cut_face, flatten, vertex_positions
-from mobius_match.transfer.transfer import Carrier
+from mobius_match.transfer.transfer import Transfer
 from mobius_match.voting.assignment import max_row_column, normalized
 from mobius_match.voting.mobius import CANONICAL_TRIANGLE, apply, from_three_points
 
@@ -55,7 +55,7 @@ def samples(result):
 
 def planes(result):
     """Sections 5 and 6: a flattened surface, and both after the Möbius maps of one triplet."""
-    carrier = Carrier(result.dense())
+    carrier = Transfer(result.dense())
     colours = colours_of(carrier.source.vertices)
     carried = carrier.values(colours)
     triplets = result.votes.best_source[0], result.votes.best_target[0]

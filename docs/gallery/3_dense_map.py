@@ -11,7 +11,7 @@ import numpy as np
 import mobius_match as mm
 from mobius_match.evaluation import examples
 from mobius_match.exporting.figures import draw_shapes
-from mobius_match.transfer.transfer import Carrier
+from mobius_match.transfer.transfer import Transfer
 
 dense = mm.match(*examples.paths("person"), seed=0).dense()
 print(mm.quality(dense))
@@ -19,7 +19,7 @@ print(mm.quality(dense))
 # %%
 # Place on the source as colour, carried to the target:
 
-carrier = Carrier(dense)
+carrier = Transfer(dense)
 source, target = carrier.source, carrier.target
 low, high = source.vertices.min(axis=0), source.vertices.max(axis=0)
 colours = np.round(255 * (0.15 + 0.8 * (source.vertices - low) / (high - low))).astype(np.uint8)

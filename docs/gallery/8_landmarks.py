@@ -11,9 +11,9 @@ import numpy as np
 import mobius_match as mm
 from mobius_match.evaluation import examples
 from mobius_match.exporting.figures import draw_shapes
-from mobius_match.transfer.transfer import Carrier
+from mobius_match.transfer.transfer import Transfer
 
-carrier = Carrier(mm.match(*examples.paths("person"), seed=0).dense())
+carrier = Transfer(mm.match(*examples.paths("person"), seed=0).dense())
 source, target = carrier.source, carrier.target
 
 # %%

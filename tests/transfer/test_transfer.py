@@ -9,7 +9,7 @@ from mobius_match.geometry.points import SurfacePoints, closest_points
 from mobius_match.mesh import Mesh, repair
 from mobius_match.results.surface_map import SurfaceMap
 from mobius_match.transfer.colours import GREY
-from mobius_match.transfer.transfer import Carrier
+from mobius_match.transfer.transfer import Transfer
 from tests.shapes import lump, renumbered, tube
 
 
@@ -43,7 +43,7 @@ def nearest(source, target):
 def copy():
     arrays = lump(2)
     (vertices, faces), number = renumbered(arrays)
-    return Carrier(renumbering(Mesh(*arrays), Mesh(vertices, faces), number)), number
+    return Transfer(renumbering(Mesh(*arrays), Mesh(vertices, faces), number)), number
 
 
 def seamed_tube(around, along, turn):
@@ -103,7 +103,7 @@ def test_landmarks_on_vertices_and_edges_stay_there(copy):
 
 def test_positions_off_the_surface_are_projected():
     sheet = Mesh(*tube(40, 10))
-    carrier = Carrier(nearest(sheet, sheet))
+    carrier = Transfer(nearest(sheet, sheet))
     middle = sheet.vertices[sheet.faces[50]].mean(axis=0)
     outward = np.cross(*(sheet.vertices[sheet.faces[50, 1:]] - sheet.vertices[sheet.faces[50, 0]]))
     outward /= np.linalg.norm(outward)
@@ -116,7 +116,7 @@ def test_positions_off_the_surface_are_projected():
 def test_no_face_of_a_texture_spans_a_seam():
     source, uv = seamed_tube(48, 20, 0.0)
     target, wanted = seamed_tube(61, 33, 0.4)
-    carrier = Carrier(nearest(source, target))
+    carrier = Transfer(nearest(source, target))
     found = carrier.uv(uv)
     assert np.ptp(found, axis=1).max() < 0.1
     # The faces of both tubes are chords, so their points differ by a fraction of an edge's angle.
@@ -133,12 +133,12 @@ def test_no_face_of_a_texture_spans_a_seam():
 def test_labels_of_vertices_are_not_mixed():
     source, target = seamed_tube(30, 12, 0.0)[0], seamed_tube(41, 17, 0.3)[0]
     labels = np.where(source.vertices[:, 2] > 2, 10, 100)
-    found = Carrier(nearest(source, target)).values(labels)
+    found = Transfer(nearest(source, target)).values(labels)
     assert found.dtype == np.int64
     assert set(found.tolist()) == {10, 100}
     np.testing.assert_array_equal(found[target.vertices[:, 2] > 2.4], 10)
     np.testing.assert_array_equal(found[target.vertices[:, 2] < 1.6], 100)
-    assert set(Carrier(nearest(source, target)).values(labels.astype(float)).tolist()) > {10.0, 100.0}
+    assert set(Transfer(nearest(source, target)).values(labels.astype(float)).tolist()) > {10.0, 100.0}
 
 
 def test_vertices_joined_by_repair_get_the_same_values(tmp_path):
@@ -153,11 +153,11 @@ def test_vertices_joined_by_repair_get_the_same_values(tmp_path):
     mesh = repair(mm.read_mesh(path))
     assert len(mesh.vertices) == len(vertices)
     source = Mesh(vertices, faces)
-    carrier = Carrier(renumbering(source, mesh, np.arange(len(vertices))))
+    carrier = Transfer(renumbering(source, mesh, np.arange(len(vertices))))
     values = np.random.default_rng(0).normal(size=len(vertices))
     found = carrier.values(values)
     np.testing.assert_array_equal(found, [*values, *values[ring], np.nan])
-    np.testing.assert_array_equal(Carrier(carrier.map.inverse).values(found), values)
+    np.testing.assert_array_equal(Transfer(carrier.map.inverse).values(found), values)
     np.testing.assert_array_equal(carrier.missing, np.isnan(found))
 
 
@@ -165,7 +165,7 @@ def test_what_has_no_counterpart_is_marked(copy):
     whole = copy[0].map
     lost = whole.target.vertices[:, 2] > 0.5
     gone = whole.source.vertices[:, 2] > 0.5
-    carrier = Carrier(SurfaceMap(whole.source, whole.target, whole.target_points, whole.source_points, ~gone, ~lost))
+    carrier = Transfer(SurfaceMap(whole.source, whole.target, whole.target_points, whole.source_points, ~gone, ~lost))
     n, m = len(lost), len(carrier.source.faces)
     np.testing.assert_array_equal(carrier.missing, lost)
     np.testing.assert_array_equal(np.isnan(carrier.values(np.ones(n))), lost)
@@ -226,10 +226,10 @@ def test_a_changed_file_is_refused(tmp_path):
     path = tmp_path / "sheet.off"
     path.write_text("OFF\n4 2 0\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n3 0 1 2\n3 0 2 3\n")
     mesh = repair(mm.read_mesh(path))
-    carried = Carrier(renumbering(mesh, mesh, np.arange(4))).values(np.arange(4.0))
+    carried = Transfer(renumbering(mesh, mesh, np.arange(4))).values(np.arange(4.0))
     np.testing.assert_array_equal(carried, np.arange(4.0))
     path.write_text(path.read_text().replace("1 1 0", "2 2 0"))
     with pytest.raises(mm.MeshError, match="has changed since the match"):
-        Carrier(renumbering(mesh, mesh, np.arange(4)))
+        Transfer(renumbering(mesh, mesh, np.arange(4)))
     path.unlink()  # nothing that only the file has is needed
-    assert Carrier(renumbering(mesh, mesh, np.arange(4))).values(np.arange(4.0)).tolist() == [0, 1, 2, 3]
+    assert Transfer(renumbering(mesh, mesh, np.arange(4))).values(np.arange(4.0)).tolist() == [0, 1, 2, 3]

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     import numpy as np
 
     from ..landmarks.tables import Landmarks
-    from ..transfer.transfer import Carrier
+    from ..transfer.transfer import Transfer
 
 FAR = 0.02
 """Distance from the surface, per diagonal of the mesh's box, from which on a landmark is told to lie beside it."""
@@ -69,9 +69,9 @@ def landmarks(
             marks = _kept(marks, ~np.isnan(marks.points).any(axis=1), "missing in the file", reporter)
         surface_map = load_map(result, reporter, cache=not no_cache)
 
-        from ..transfer.transfer import Carrier
+        from ..transfer.transfer import Transfer
 
-        carrier = Carrier(surface_map.inverse if back else surface_map)
+        carrier = Transfer(surface_map.inverse if back else surface_map)
         carried, apart = carrier.landmarks(marks)
         _tell_far(marks, apart, carrier, reporter)
         carried = _kept(carried, carried.vertices >= 0, "without counterpart", reporter)
@@ -94,7 +94,7 @@ def _listed(names: list[str]) -> str:
     return ", ".join(names[:LISTED]) + (f" and {len(names) - LISTED} more" if len(names) > LISTED else "")
 
 
-def _tell_far(marks: Landmarks, apart: np.ndarray, carrier: Carrier, reporter: Reporter) -> None:
+def _tell_far(marks: Landmarks, apart: np.ndarray, carrier: Transfer, reporter: Reporter) -> None:
     """A line on the landmarks that lie beside the surface."""
     import numpy as np
 

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
     from ..landmarks.tables import Landmarks
     from ..mesh.appearance import Appearance
-    from ..transfer.transfer import Carrier
+    from ..transfer.transfer import Transfer
 
 WORDS = ("colors", "uv", "labels", "positions")
 ENDINGS = (".ply", ".glb", ".obj", ".npz", ".csv", ".txt")
@@ -64,9 +64,9 @@ def transfer(
     with Reporter(quiet, verbose) as reporter:
         surface_map = load_map(result, reporter, cache=not no_cache)
 
-        from ..transfer.transfer import Carrier
+        from ..transfer.transfer import Transfer
 
-        carrier = Carrier(surface_map.inverse if back else surface_map)
+        carrier = Transfer(surface_map.inverse if back else surface_map)
         load = _Load(carrier)
         for one in what:
             load.add(one, donor)
@@ -93,7 +93,7 @@ def _check(what: list[str], output: Path, result: Path, donor: Path | None) -> N
 class _Load:
     """What is carried, ready to be written."""
 
-    carrier: Carrier
+    carrier: Transfer
     notes: list[str] = field(default_factory=list)
     mesh: dict[str, Any] = field(default_factory=dict)
     values: dict[str, np.ndarray] = field(default_factory=dict)

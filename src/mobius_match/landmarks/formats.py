@@ -106,9 +106,7 @@ def write_landmarks(
     check_system(coordinate_system)
     write = marks_writer(path)
     if landmarks.points is None:
-        raise SettingsError(
-            f"{path}: the landmarks have vertex numbers but no points; add the positions"
-        )
+        raise SettingsError(f"{path}: the landmarks have vertex numbers but no points; add the positions")
     named = replace(landmarks, names=landmarks.names or [str(k) for k in range(1, len(landmarks) + 1)])
     write_atomically(path, write([named], comment, coordinate_system))
 

@@ -1,6 +1,6 @@
 """Transfer of attributes along a dense map: values, colours, labels, texture coordinates, landmarks.
 
-A :class:`~mobius_match.SurfaceMap` transfers between its two repaired meshes and knows no files. A :class:`Carrier`
+A :class:`~mobius_match.SurfaceMap` transfers between its two repaired meshes and knows no files. A :class:`Transfer`
 builds on it for what needs the files too: vertices that repair has joined, texture seams, landmarks off the surface.
 """
 
@@ -21,8 +21,8 @@ ON_VERTEX = 1e-6
 """Smaller barycentric coordinates are set to 0, so that the point lies on the edge or the vertex."""
 
 
-class Carrier:
-    """Transfers attributes from the source's file to the target's; ``Carrier(surface_map.inverse)`` does the reverse.
+class Transfer:
+    """Transfers attributes from the source's file to the target's; ``Transfer(surface_map.inverse)`` does the reverse.
 
     Parameters
     ----------

@@ -16,7 +16,7 @@ from ..exporting.figures import colours_of, numbered
 from ..mesh.appearance import Appearance, read_appearance
 from ..results.surface_map import SurfaceMap
 from ..transfer.morph import interpolate, positions_on_target
-from ..transfer.transfer import Carrier
+from ..transfer.transfer import Transfer
 from . import packing
 from .shapes import Side
 
@@ -129,7 +129,7 @@ def _appearance(content: dict[str, Any], sides: list[Side], dense: SurfaceMap) -
         return []
     note = "Of the source's own file, carried to the target by the dense map; grey has no counterpart."
     if own.image is not None and own.uv is not None and all(side.whole for side in sides):
-        for side, uv in zip(content["sides"], Carrier(dense).uv_of_repaired(own.uv), strict=True):
+        for side, uv in zip(content["sides"], Transfer(dense).uv_of_repaired(own.uv), strict=True):
             known = ~np.isnan(uv).any(axis=(1, 2))
             side["uv"] = packing.quantised(np.where(known[:, None, None], uv, 0.0)) | {
                 "known": packing.packed(known, "u1")
