@@ -36,7 +36,13 @@ def match(
     target: Annotated[Path, Argument(metavar="TARGET", help="Mesh to match to.")],
     output: Annotated[
         Path | None,
-        Option("--output", "-o", metavar="FILE", help="Write the result as JSON; '-' is standard output."),
+        Option(
+            "--output",
+            "-o",
+            metavar="FILE",
+            help="Write the result: .json, or .csv and the other formats of 'mobius convert'; "
+            "'-' is standard output, as JSON.",
+        ),
     ] = None,
     dense: Annotated[
         Path | None,
@@ -156,6 +162,7 @@ def match(
     settings = merge(read_config(config) if config else {}, given)
     outputs = {"--output": output, "--dense": dense, "--picture": picture, "--html": html}
     _check(settings, outputs, (source, target, *(landmarks or ())))
+    as_json = _check_format(output, alternatives and not json, (source, target, *(landmarks or ())))
 
     with Reporter(quiet, verbose) as reporter:
         result = run_match(source, target, reporter, settings, cache=not no_cache, landmarks=landmarks or None)
@@ -170,8 +177,12 @@ def match(
             write(html, page(result, dense=None if dense is None else result.dense()).encode())
             reporter.notes([f"page written to {html}"])
         if output is not None and output != STDOUT:
-            write(output, to_json(result.to_dict(alternatives=alternatives)))
-            reporter.notes([f"{len(result)} correspondences written to {output}"])
+            files = [output]
+            if as_json:
+                write(output, to_json(result.to_dict(alternatives=alternatives)))
+            else:
+                files = result.export(output)
+            reporter.notes([f"{len(result)} correspondences written to {' and '.join(map(str, files))}"])
     if verbose:
         for name, seconds in result.timings.items():
             say(f"{name}: {seconds:.3f} s")
@@ -237,6 +248,22 @@ def _check(settings: dict[str, Any], outputs: dict[str, Path | None], inputs: tu
         other = seen.setdefault(path.resolve(), option)
         if other != option:
             raise SettingsError(f"{option}: {path} is the {other} too; name another file.")
+
+
+def _check_format(output: Path | None, alternatives: bool, inputs: tuple[Path, ...]) -> bool:
+    """Whether the output is JSON; other formats, and alternatives that no file would hold, are checked."""
+    from ..errors import SettingsError
+    from ..results.actions import is_result_file
+
+    if output is None or output == STDOUT or is_result_file(output):
+        return True
+    from ..exporting.formats import outputs_of
+
+    if alternatives:
+        raise SettingsError(f"--alternatives: {output} cannot hold them; name a .json file, or print them with --json.")
+    for path in outputs_of(output, None, None):
+        check_output("--output", path, inputs)
+    return False
 
 
 def _table(result: Correspondence) -> Table:

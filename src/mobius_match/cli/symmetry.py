@@ -91,6 +91,7 @@ def symmetry(
 
 def _check(settings: dict[str, Any], output: Path | None, picture: Path | None, mesh: Path) -> None:
     from ..errors import SettingsError
+    from ..results.actions import check_json
     from ..settings import make_settings
 
     make_settings(**settings)
@@ -102,6 +103,8 @@ def _check(settings: dict[str, Any], output: Path | None, picture: Path | None, 
         check_output("--picture", picture, [mesh])
         if output is not None and output.resolve() == picture.resolve():
             raise SettingsError(f"--picture: {picture} is the --output too; name another file.")
+    if output is not None and output != STDOUT:
+        check_json(output)
 
 
 def _draw(result: Symmetry) -> bytes:

@@ -77,6 +77,9 @@ class Case:
     target: Path
     truth: Truth
 
+    def __repr__(self) -> str:
+        return one_line(self)
+
 
 @dataclass(frozen=True, eq=False)
 class Dataset:

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from .._core.display import one_line
 from ..errors import FormatError
 from ..geometry.geodesics import geodesic_solver, nearest_centres
 from ..mesh import Mesh
@@ -45,6 +46,9 @@ class Scorer:
     target: Mesh
     method: str
     diameter: float
+
+    def __repr__(self) -> str:
+        return one_line(self)
 
     @property
     def truth(self) -> Truth:

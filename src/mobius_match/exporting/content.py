@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from .._core.display import one_line
 from ..errors import MeshError, NothingFoundError, SettingsError
 from ..landmarks.rows import SIDES
 from ..landmarks.tables import Landmarks
@@ -39,6 +40,9 @@ class Content:
 
     result: Correspondence | None
     dense: SurfaceMap | None
+
+    def __repr__(self) -> str:
+        return one_line(self)
 
     def __post_init__(self) -> None:
         if self.result is None or self.dense is None:

@@ -10,6 +10,7 @@ from typing import Any, Unpack
 
 from threadpoolctl import threadpool_limits
 
+from .._core.display import one_line
 from .._core.threads import Progress, map_threads
 from .._core.versions import software
 from ..alignments.alignment import Alignment
@@ -206,6 +207,9 @@ class Outcome:
     alignments: list[Alignment] = field(default_factory=list)
     part: PartMatch | None = None
     notes: list[str] = field(default_factory=list)
+
+    def __repr__(self) -> str:
+        return one_line(self)
 
 
 def align(

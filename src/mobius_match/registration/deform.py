@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from .._core.display import one_line
 from ..geometry.nearest_neighbors import NearestNeighbors
 from ..landmarks.constraints import PointConstraints, apply_constraints
 from .energy import DeformationGraph
@@ -39,6 +40,9 @@ class State:
     image: np.ndarray
     continuous: np.ndarray
 
+    def __repr__(self) -> str:
+        return one_line(self)
+
 
 @dataclass(frozen=True, eq=False)
 class Target:
@@ -60,6 +64,9 @@ class Target:
     candidates: np.ndarray
     features: np.ndarray
     pulling: np.ndarray
+
+    def __repr__(self) -> str:
+        return one_line(self)
 
 
 def deform(

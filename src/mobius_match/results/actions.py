@@ -34,6 +34,23 @@ def action(name: str) -> Callable[..., Any]:
     return found
 
 
+def check_json(path: Path) -> None:
+    """Refuse a name under which JSON would not be expected.
+
+    Raises
+    ------
+    SettingsError
+        If the name does not end in .json.
+    """
+    if path.suffix.lower() != RESULT_ENDING and not _is_device(path):
+        raise SettingsError(f"{path}: the result is written as JSON; give a name that ends in {RESULT_ENDING}")
+
+
+def _is_device(path: Path) -> bool:
+    """Whether there is something else than a file, such as a pipe, whose name says nothing."""
+    return path.exists() and not path.is_file()
+
+
 def is_result_file(path: Path) -> bool:
     """Whether a result is written there as a result file (JSON), rather than exported for another program.
 
@@ -43,8 +60,7 @@ def is_result_file(path: Path) -> bool:
         If the ending of the name is that of no format.
     """
     name = path.name.lower()
-    is_device = path.exists() and not path.is_file()
-    if is_device or (name.endswith(RESULT_ENDING) and not name.endswith(MARKUPS_ENDING)):
+    if _is_device(path) or (name.endswith(RESULT_ENDING) and not name.endswith(MARKUPS_ENDING)):
         return True
     known = action("endings")()
     if not name.endswith(tuple(known)):

@@ -12,7 +12,7 @@ import numpy as np
 
 from .._core.display import ROWS, file_name, html_table
 from .._core.files import write_atomically
-from ..errors import SettingsError
+from .actions import check_json
 from .matches import data_frame
 
 if TYPE_CHECKING:
@@ -133,6 +133,5 @@ class Symmetry:
             If the name ends otherwise.
         """
         path = Path(path)
-        if path.suffix.lower() != ".json":
-            raise SettingsError(f"{path}: symmetries are written as JSON; give a name that ends in .json")
+        check_json(path)
         write_atomically(path, (json.dumps(self.to_dict(), indent=1, allow_nan=False) + "\n").encode())
