@@ -61,6 +61,46 @@ def test_the_reference_has_every_public_name():
     assert sorted(documented) == sorted(mobius_match.__all__)
 
 
+NUMPYDOC = {
+    "GL07",  # sections in the usual order
+    "GL08",  # a docstring at all
+    "PR01",  # each parameter is documented,
+    "PR02",  # and no other,
+    "PR03",  # in the order of the signature,
+    "PR07",  # with a description
+    "RT01",  # what is returned,
+    "RT03",  # with a description
+    "SA04",  # references have a description
+    "SS03",  # a summary that ends
+    "YD01",  # what is yielded
+}
+
+
+def public():
+    """The public functions and classes, and the methods and properties of these."""
+    for name in mobius_match.__all__:
+        thing = getattr(mobius_match, name)
+        if not callable(thing):
+            continue
+        yield f"{thing.__module__}.{thing.__qualname__}"
+        if inspect.isclass(thing):
+            for member, value in vars(thing).items():
+                if not member.startswith("_") and (callable(value) or hasattr(value, "__get__")):
+                    yield f"{thing.__module__}.{thing.__qualname__}.{member}"
+
+
+def test_docstrings_of_public_names_are_whole():
+    validate = pytest.importorskip("numpydoc.validate").validate
+    names = list(public())
+    assert "mobius_match.matching.match.match" in names
+    assert "mobius_match.results.surface_map.SurfaceMap.functional_map" in names
+    found = {name: [text for code, text in validate(name)["errors"] if code in NUMPYDOC] for name in names}
+    # Fields that only the library fills in are private.
+    private = re.compile(r"Parameters \{('_\w+'(, )?)+\} not documented")
+    found = {name: [text for text in texts if not private.fullmatch(text)] for name, texts in found.items()}
+    assert {name: texts for name, texts in found.items() if texts} == {}
+
+
 def test_the_site_is_checked_for_dead_links_and_for_what_it_would_load(tmp_path, monkeypatch):
     pytest.importorskip("sphinx")
     monkeypatch.syspath_prepend(str(ROOT / "docs/extensions"))

@@ -71,7 +71,7 @@ def _check_number(what: str, value: object, most: float) -> None:
 
 @dataclass(frozen=True)
 class PrepareSettings:
-    """How one mesh is made ready for matching (sections 4 and 5).
+    """How one mesh is prepared for matching (sections 4 and 5).
 
     Parameters
     ----------
@@ -82,10 +82,10 @@ class PrepareSettings:
     triangulation
         ``"delaunay"`` flattens the intrinsic Delaunay triangulation, ``"mesh"`` the mesh's own triangles.
     placement
-        Where a sample lies in the plane: ``"mean"`` of the mid-edges around it, or the ``"closest"`` mid-edge.
+        Position of a sample in the plane: ``"mean"`` of the mid-edges around it, or the ``"closest"`` mid-edge.
     resolution
-        A mesh of half as many vertices again, or more, is simplified to so many, and results are carried back
-        to the whole; 0 computes on all vertices.
+        Meshes with more than 1.5 times this number of vertices are simplified to it, and results are carried back to
+        all vertices; 0 computes on all vertices.
     """
 
     samples: int = 100
@@ -104,37 +104,39 @@ class PrepareSettings:
 
 @dataclass(frozen=True)
 class MatchSettings(PrepareSettings):
-    """How two surfaces are matched (sections 6, 7 and 8), with how each is prepared.
+    """How two surfaces are prepared and matched (sections 4 to 8).
 
     Parameters
     ----------
+    samples, geodesics, triangulation, placement, resolution
+        As in :class:`PrepareSettings`.
     votes
-        Number of triplets to evaluate. None: with guided proposals until the votes have settled, at most 20,000; with
-        uniform ones the paper's number.
+        Number of triplets to evaluate. None: with guided proposals until the votes no longer change, at most 20,000;
+        with uniform ones the paper's number.
     proposal
         ``"guided"`` draws triplets that agree in geodesic distances, ``"uniform"`` draws as the paper does.
     distance
         Distance of section 7: ``"euclidean"`` or ``"spherical"``.
     min_fraction
         The paper's K as a fraction of the samples: triplets with fewer mutually nearest pairs do not vote.
-        None: 0.4 for uniform proposals; guided ones weigh the pairs instead and need no K.
+        None: 0.4 for uniform proposals; guided ones weight the pairs instead and need no K.
     epsilon
         The paper's small number in the magnitude 1 / (epsilon + E / n) of a vote.
     assignment
         ``"greedy"`` (max-row-column) or ``"linear"`` (global linear assignment), section 8.
     threshold
-        With guided proposals the least chance of being right of a match, None: 0.5. With uniform ones the paper's
-        confidence S above which pairs are taken as they are, None: 0.1.
+        Minimum confidence of a match, 0 to 1. With guided proposals, matches below it are dropped; None: 0.5. With
+        uniform ones it is the paper's S: pairs below it are kept only if the others support them; None: 0.1.
     recovery_radius
-        Section 8's delta as a fraction of the diameter; 0 leaves recovered pairs out.
+        Section 8's delta as a fraction of the geodesic diameter; 0 leaves recovered pairs out.
     spacing
-        How far from all samples, and from each other, further points of the source must lie to be reported, per
-        sqrt(area), at most 0.2: the more confident one of two that are closer is. 0 reports all of about 1200 points,
-        0.2 the samples alone, as uniform proposals and parts of a surface always do.
+        Minimum distance of matches between the samples from all samples and from each other, per sqrt(area), 0 to 0.2.
+        Of two that are closer, the more confident one is reported. 0 reports all of about 1200 points; 0.2 only the
+        samples, as uniform proposals and parts of a surface always do.
     seed
         Seed of all randomness, 0 or larger.
     jobs
-        Threads; None uses every processor. The result does not depend on it.
+        Number of threads; None uses every processor. The result does not depend on it.
     """
 
     votes: int | None = None
@@ -168,11 +170,23 @@ class MatchSettings(PrepareSettings):
             _check_whole("jobs", self.jobs, 1, 1024)
 
     def preparation(self) -> PrepareSettings:
-        """The part of the settings that a single mesh depends on."""
+        """The settings of the preparation of each mesh.
+
+        Returns
+        -------
+        PrepareSettings
+            Its fields have the values that they have here.
+        """
         return PrepareSettings(**{f.name: getattr(self, f.name) for f in fields(PrepareSettings)})
 
     def number_of_votes(self) -> int:
-        """How many triplets are evaluated: the given number, or the most that the program chooses."""
+        """The number of triplets that are evaluated.
+
+        Returns
+        -------
+        int
+            ``votes``, or the largest number that the program chooses.
+        """
         if self.votes is not None:
             return self.votes
         if self.proposal == "uniform":
@@ -181,7 +195,13 @@ class MatchSettings(PrepareSettings):
         return 20_000
 
     def to_dict(self) -> dict[str, Any]:
-        """All settings as JSON-able values."""
+        """All settings as JSON-able values.
+
+        Returns
+        -------
+        dict
+            The values by name.
+        """
         return asdict(self)
 
 
@@ -261,7 +281,7 @@ def make_prepare_settings(
     if settings is None:
         settings = PrepareSettings()
     elif not isinstance(settings, PrepareSettings):
-        raise SettingsError(f"settings is {settings!r}; give a PrepareSettings, or its fields as keywords")
+        raise SettingsError(f"`settings` is {settings!r}; give a PrepareSettings, or its fields as keywords")
     elif isinstance(settings, MatchSettings):
         settings = settings.preparation()
     of_preset = {name: value for name, value in _of_preset(preset).items() if name in known}

@@ -89,7 +89,7 @@ def test_options_that_a_prepared_file_does_not_follow_are_refused(mobius, pair, 
         ended = mobius(*command, "--samples", 31, "--votes", 2000)
         assert (ended.code, ended.out) == (2, "")
         assert "but the " in ended.err
-        assert "one.off was prepared with samples 30" in ended.err
+        assert "one.off was prepared with --samples 30" in ended.err
     ended = mobius("match", tmp_path / "one.npz", pair[1], "--votes", 2000)
     assert ended.code == 0
     assert "prepared with different settings (samples 30 and 100)" in ended.err

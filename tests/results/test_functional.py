@@ -103,7 +103,7 @@ def test_vertices_without_counterpart_are_left_out(identity, mesh):
     part = replace(identity, source_points=wrong, target_mapped=mapped)
     np.testing.assert_allclose(part.functional_map(20), np.eye(20), atol=1e-6)
     few = replace(identity, target_mapped=np.arange(len(mapped)) < 10)
-    with pytest.raises(mm.SettingsError, match=r"^k is 20, and only 10 vertices"):
+    with pytest.raises(mm.SettingsError, match=r"^`k` is 20, and only 10 vertices"):
         few.functional_map(20)
 
 
@@ -123,9 +123,9 @@ def test_rows_count_as_the_users_file():
 
 @pytest.mark.parametrize("k", [0, -1, 2.0, True, 641, None])
 def test_numbers_of_functions_that_there_are_not(identity, k):
-    with pytest.raises(mm.SettingsError, match=r"^k is .*from 1 to 640"):
+    with pytest.raises(mm.SettingsError, match=r"^`k` is .*from 1 to 640"):
         identity.functional_map(k)
-    with pytest.raises(mm.SettingsError, match=r"^k is .*from 1 to 640"):
+    with pytest.raises(mm.SettingsError, match=r"^`k` is .*from 1 to 640"):
         identity.eigenbases(k)
 
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from .._core.compiling import jit
+from .._core.display import one_line
 
 SEEN = 200
 """Vertices that a search for the closest point passes at most."""
@@ -33,6 +34,9 @@ class SurfacePoints:
     corners: np.ndarray
     barycentric: np.ndarray
 
+    def __repr__(self) -> str:
+        return one_line(self)
+
     def __getitem__(self, rows: np.ndarray) -> SurfacePoints:
         return SurfacePoints(self.faces[rows], self.corners[rows], self.barycentric[rows])
 
@@ -42,11 +46,35 @@ class SurfacePoints:
         return self.corners[np.arange(len(self.corners)), self.barycentric.argmax(axis=1)]
 
     def values(self, at_vertices: np.ndarray) -> np.ndarray:
-        """Values (q, ...) at the points, of values (n, ...) at the vertices."""
+        """Interpolate values at the vertices.
+
+        Parameters
+        ----------
+        at_vertices
+            (n, ...) numbers, one row for each vertex of the mesh.
+
+        Returns
+        -------
+        numpy.ndarray
+            (q, ...) their weighted means at the points.
+        """
         return np.einsum("qk,qk...->q...", self.barycentric, at_vertices[self.corners])
 
     def replaced(self, rows: np.ndarray, others: SurfacePoints) -> SurfacePoints:
-        """The points, with others in some rows (r,)."""
+        """The points, with others in some rows.
+
+        Parameters
+        ----------
+        rows
+            (r,) int64 rows to replace.
+        others
+            (r,) points.
+
+        Returns
+        -------
+        SurfacePoints
+            (q,) points.
+        """
         parts = []
         for name in ("faces", "corners", "barycentric"):
             values = getattr(self, name).copy()

@@ -53,7 +53,13 @@ class Landmarks:
         return Landmarks(names, vertices, points, self.specimen)
 
     def text(self) -> bytes:
-        """The landmarks as CSV: name (if there are names), vertex, x, y, z."""
+        """The landmarks as CSV, with the columns name, vertex, x, y, z as far as they are known.
+
+        Returns
+        -------
+        bytes
+            The content of a file, in UTF-8.
+        """
         columns: dict[str, list[str]] = {"name": self.names} if self.names else {}
         if self.vertices is not None:
             columns["vertex"] = [str(number) for number in self.vertices.tolist()]

@@ -23,26 +23,27 @@ class Mesh:
     Only `vertices` and `faces` are needed; the rest is filled in. The arrays are copied where that is
     needed to make them read-only without touching the caller's.
 
-    Attributes
+    Parameters
     ----------
-    vertices : (n, 3) float64
-        Coordinates, in the user's units.
-    faces : (m, 3) int64
-        Vertex numbers of each triangle, from 0.
-    name : str
+    vertices
+        (n, 3) float64 coordinates, in the user's units.
+    faces
+        (m, 3) int64 vertex numbers of each triangle, from 0.
+    name
         Short name for messages, such as ``cat0.off``.
-    path : Path or None
-        The file it was read from.
-    sha256 : str
-        Of the file's bytes, or of the two arrays where there is no file.
-    vertex_ids : (n,) int64
-        Number of each vertex in the user's own file; two vertices share a number where repair cut one in two.
-    face_ids : (m,) int64
-        Number of each triangle's face in the user's own list (before polygons were cut into triangles).
-    n_file_vertices, n_file_faces : int
-        How many vertices and faces the user's file has.
-    notes : tuple of str
-        One line for each thing that was done on reading and repair, ready to show.
+    path
+        The file it was read from; None for arrays.
+    sha256
+        Digest of the file's bytes, or of the two arrays where there is no file.
+    vertex_ids
+        (n,) int64 number of each vertex in the user's own file; two vertices share a number where repair cut one in
+        two.
+    face_ids
+        (m,) int64 number of each triangle's face in the user's own list (before polygons were cut into triangles).
+    n_file_vertices, n_file_faces
+        Numbers of vertices and faces of the user's file.
+    notes
+        One line for each step of reading and repair that a user should know of.
 
     Raises
     ------

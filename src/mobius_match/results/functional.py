@@ -74,7 +74,7 @@ def check_count(count: int, *meshes: Mesh) -> None:
     """
     most = min(len(mesh.vertices) for mesh in meshes) - 2
     if not isinstance(count, int | np.integer) or isinstance(count, bool) or not 1 <= count <= most:
-        raise SettingsError(f"k is {count!r}; give a whole number from 1 to {most}, two less than the vertices")
+        raise SettingsError(f"`k` is {count!r}; give a whole number from 1 to {most}, two less than the vertices")
 
 
 def map_of_functions(
@@ -96,7 +96,7 @@ def map_of_functions(
     """
     found, count = int(mapped.sum()), len(target.eigenvalues)
     if found < count:
-        raise SettingsError(f"k is {count}, and only {found} vertices of the target have a counterpart; give less")
+        raise SettingsError(f"`k` is {count}, and only {found} vertices of the target have a counterpart; give less")
     weights = np.sqrt(target.areas[mapped])[:, None]
     pulled = source_points.values(source.eigenfunctions)[mapped]
     with threadpool_limits(limits=1, user_api="blas"):

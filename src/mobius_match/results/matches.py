@@ -44,12 +44,14 @@ class Alternative:
 
     Parameters
     ----------
-    pairs, confidence, kind, target_points, given
+    pairs, confidence, kind
         As in :class:`Correspondence`.
     margin
         The cost of this alignment minus the cost of the chosen one, without unit. Below 0.3 the two are close.
     share
         The share of the best triplets, 0 to 1, that agree with this alignment.
+    target_points, given
+        As in :class:`Correspondence`.
     """
 
     pairs: np.ndarray

@@ -38,12 +38,12 @@ def check_effective(thing: Surface | Mesh, argument: str, chosen: Mapping[str, A
         value = chosen.get(name, of_preset.get(name, has))
         if value != has:
             if name in chosen:
-                what, remedy = f"{name} is {value!r}", f"{name} {value!r}"
+                what, remedy = f"`{name}` is {value!r}", f"`{name}` {value!r}"
             else:
-                what, remedy = f"preset {preset!r} sets {name} to {value!r}", f"preset {preset!r}"
+                what, remedy = f"`preset` {preset!r} sets `{name}` to {value!r}", f"`preset` {preset!r}"
             raise SettingsError(
-                f"{what}, but the {argument} {thing.mesh.name} was prepared with {name} {has!r}; "
-                f"give the mesh itself, prepare it with {remedy}, or set {name} to {has!r}"
+                f"{what}, but the {argument} {thing.mesh.name} was prepared with `{name}` {has!r}; "
+                f"give the mesh itself, prepare it with {remedy}, or set `{name}` to {has!r}"
             )
 
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from .._core.display import shortened
 from ..errors import SettingsError
 from ..geometry.points import SurfacePoints, closest_points
 from ..landmarks.tables import Landmarks
@@ -43,7 +44,7 @@ class Transfer:
 
     See Also
     --------
-    mobius_match.SurfaceMap.transfer, mobius_match.SurfaceMap.transfer_labels
+    mobius_match.SurfaceMap.transfer : Transfers values between the repaired meshes, without the files.
     """
 
     def __init__(self, surface_map: SurfaceMap) -> None:
@@ -52,6 +53,9 @@ class Transfer:
         self._repaired_source = repaired_numbers(surface_map.source, self.source)
         self._repaired_target = repaired_numbers(surface_map.target, self.target)
         self.missing = (self._repaired_target < 0) | ~surface_map.target_mapped[self._repaired_target]
+
+    def __repr__(self) -> str:
+        return f"<Transfer {shortened(self.source.name)} -> {shortened(self.target.name)}>"
 
     def values(self, values: np.ndarray) -> np.ndarray:
         """Transfer values at vertices.
@@ -121,7 +125,19 @@ class Transfer:
         return np.round(transferred).astype(np.uint8)
 
     def labels(self, labels: np.ndarray) -> np.ndarray:
-        """Transfer labels (m1,) of faces, :meth:`mobius_match.SurfaceMap.transfer_labels`; (m2,) int64, -1 for none."""
+        """Transfer labels of faces.
+
+        Parameters
+        ----------
+        labels
+            (m1,) int, one for each face of the source's file.
+
+        Returns
+        -------
+        numpy.ndarray
+            (m2,) int64, one for each face of the target's file; -1 without a counterpart. See
+            :meth:`mobius_match.SurfaceMap.transfer_labels`.
+        """
         return self.map.transfer_labels(labels)
 
     def uv(self, uv: np.ndarray) -> np.ndarray:
@@ -155,7 +171,19 @@ class Transfer:
         return transferred_uv(self.map, self._repaired_uv(uv), self._repaired_target[self.target.faces])
 
     def uv_of_repaired(self, uv: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """As :meth:`uv`, but at the corners of the repaired meshes' faces, of the source and of the target."""
+        """Transfer texture coordinates, and give both at the corners of the repaired meshes' faces.
+
+        Parameters
+        ----------
+        uv
+            (m1, 3, 2) coordinates at the corners of ``source.faces``.
+
+        Returns
+        -------
+        source_uv, target_uv : numpy.ndarray
+            (f1, 3, 2) and (f2, 3, 2), for the f1 and f2 faces of the repaired source and target; NaN without a
+            counterpart.
+        """
         source_uv = self._repaired_uv(np.asarray(uv, np.float64))
         return source_uv, transferred_uv(self.map, source_uv, self.map.target.faces)
 
@@ -163,9 +191,14 @@ class Transfer:
         return repaired_uv(self.source, self.map.source, uv)
 
     def positions(self) -> np.ndarray:
-        """Positions (n1, 3) of the source's vertices on the target; NaN without a counterpart.
+        """The positions of the source's vertices on the target.
 
         With the source's faces they are the shape of the target in the source's triangulation.
+
+        Returns
+        -------
+        numpy.ndarray
+            (n1, 3) float64, in the target's units; NaN without a counterpart.
         """
         positions = self.map.positions[self._repaired_source]
         positions[self._repaired_source < 0] = np.nan
@@ -220,7 +253,17 @@ class Transfer:
         return Landmarks(landmarks.names, vertices, positions), distances
 
     def at_vertices(self, vertices: np.ndarray) -> SurfacePoints:
-        """Vertices (q,) of the source's file as points; for a vertex in no face, the closest point of the surface.
+        """Vertices of the source's file as points of the source.
+
+        Parameters
+        ----------
+        vertices
+            (q,) int vertex numbers.
+
+        Returns
+        -------
+        SurfacePoints
+            (q,) points of the repaired source; for a vertex in no face, the closest point of the surface.
 
         Raises
         ------

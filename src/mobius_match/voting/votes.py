@@ -56,22 +56,22 @@ KEPT = 300
 
 @dataclass(frozen=True, eq=False)
 class Votes:
-    """The fuzzy correspondence matrix and how it came about.
+    """The fuzzy correspondence matrix, and the best triplets that voted.
 
     Parameters
     ----------
     matrix
         (N1, N2) float64, the matrix C, not normalised.
     n_triplets
-        How many triplets were evaluated.
+        Number of triplets that were evaluated.
     n_voting
-        How many of them voted.
-    best1, best2
-        (B, 3) int64, the best triplets of both sides; none where triplets are uniform.
-    totals
-        (B,) float64, the sums of their weights, not increasing.
+        Number of triplets that voted.
+    best_source, best_target
+        (B, 3) int64, the best triplets, as numbers of samples; none where triplets are uniform.
+    triplet_weights
+        (B,) float64, the weights of these triplets, not increasing.
     warnings
-        What a user should know.
+        Notes on the votes, one line each.
     """
 
     matrix: np.ndarray
