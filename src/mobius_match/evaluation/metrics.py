@@ -8,6 +8,7 @@ import numpy as np
 import scipy.sparse as sp
 from scipy.sparse.csgraph import dijkstra
 
+from ..geometry.farthest_points import farthest_points
 from ..geometry.geodesics import edge_graph, geodesic_solver
 from ..mesh import Mesh
 from ..mesh.measure import areas, box_scale, unit_box
@@ -110,13 +111,9 @@ def diameter(mesh: Mesh, method: str = "exact") -> float:
     :attr:`mobius_match.Surface.diameter`, the largest distance from the sample points.
     """
     solver = geodesic_solver(unit_box(mesh.vertices), mesh.faces, "heat")
-    nearest = solver(0)
     best = (0.0, 0, 0)
-    for _ in range(SWEEPS):
-        start = int(np.argmax(nearest))
-        row = solver(start)
+    for start, row in farthest_points(solver, solver(0), SWEEPS):
         best = max(best, (float(row.max()), start, int(np.argmax(row))))
-        nearest = np.minimum(nearest, row)
     if method == "heat":
         return best[0] * box_scale(mesh.vertices)
     return float(geodesic_distances(mesh, np.array([best[1]]), np.array([best[2]]), method)[0])

@@ -8,6 +8,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from .._core.display import html_table
+from ..geometry.farthest_points import farthest_points
 from ..geometry.geodesics import geodesic_solver
 from ..mesh import Mesh
 from ..mesh.measure import areas, box_scale, cross_products
@@ -185,16 +186,10 @@ def geodesic_distortion(surface_map: SurfaceMap) -> np.ndarray:
     distances, number = [], int(surface_map.source_mapped.sum())
     from_source = geodesic_solver(_unit(source.vertices, source), source.faces)
     from_target = geodesic_solver(_unit(target.vertices, target), target.faces)
-    place = np.flatnonzero(surface_map.source_mapped)[:1]
     nearest = np.where(surface_map.source_mapped, np.inf, -np.inf)
-    for _ in range(min(LANDMARKS, number)):
-        landmark = int(place[0])
-        mine = from_source(landmark)
+    for landmark, mine in farthest_points(from_source, nearest, min(LANDMARKS, number)):
         theirs = surface_map.target_points.values(from_target(int(surface_map.target_points.nearest[landmark])))
         distances.append(np.abs(mine - theirs))
-        # The next landmark is the farthest point from those there are.
-        nearest = np.minimum(nearest, mine)
-        place = np.array([nearest.argmax()])
     found = np.mean(distances, axis=0) if distances else np.full(len(source.vertices), np.nan)
     return np.where(surface_map.source_mapped, found, np.nan)
 

@@ -16,6 +16,7 @@ import numpy as np
 
 from .._core.files import write_atomically
 from ..errors import MeshError, SettingsError
+from ..geometry.farthest_points import farthest_points
 from ..mesh import as_mesh, repair
 from ..mesh.files import unchanged
 from ..mesh.measure import cross_products, unit_box, vertex_sums
@@ -108,12 +109,12 @@ def draw_matches(
 
 def farthest_first(points: np.ndarray, most: int) -> np.ndarray:
     """Numbers, ascending, of at most so many points (q, 3): the first, then the one farthest from these, and so on."""
-    apart = np.full(len(points), np.inf)
-    for _ in range(min(most, len(points))):
-        place = int(apart.argmax())
-        apart = np.minimum(apart, np.linalg.norm(points - points[place], axis=1))
-        apart[place] = -1  # chosen
-    return np.flatnonzero(apart < 0)
+    chosen = farthest_points(
+        lambda point: np.linalg.norm(points - points[point], axis=1),
+        np.full(len(points), np.inf),
+        min(most, len(points)),
+    )
+    return np.sort(np.array([point for point, _ in chosen], np.int64))
 
 
 def draw_shapes(

@@ -8,6 +8,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from .._core.compiling import jit
+from ..mesh.topology import edges_of
 from .laplacian import IntrinsicMesh, corner_cotangents, face_areas, intrinsic_mesh
 
 DistanceFunction = Callable[[int], np.ndarray]
@@ -96,9 +97,7 @@ def _dijkstra(vertices: np.ndarray, faces: np.ndarray) -> DistanceFunction:
 
 def edge_graph(vertices: np.ndarray, faces: np.ndarray) -> sp.csr_matrix:
     """Edge lengths (n, n) in the units of the mesh, each edge once."""
-    tail, head = faces.ravel(), faces[:, [1, 2, 0]].ravel()
-    keys = np.unique(np.minimum(tail, head) * len(vertices) + np.maximum(tail, head))
-    return graph_of(vertices, np.stack([keys // len(vertices), keys % len(vertices)], axis=1))
+    return graph_of(vertices, edges_of(faces))
 
 
 def graph_of(points: np.ndarray, edges: np.ndarray) -> sp.csr_matrix:

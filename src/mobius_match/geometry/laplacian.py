@@ -12,8 +12,8 @@ from functools import cached_property
 
 import numpy as np
 import scipy.sparse as sp
-import scipy.sparse.linalg as spla
 
+from ..mesh.topology import edge_table
 from .cholesky import Pattern
 
 MOLLIFICATION = 1e-6
@@ -79,10 +79,12 @@ def intrinsic_mesh(vertices: np.ndarray, faces: np.ndarray, *, delaunay: bool = 
 
     faces = np.ascontiguousarray(faces, np.int64)
     lengths = mollified(igl.edge_lengths(np.ascontiguousarray(vertices, np.float64), faces))
-    if delaunay:
-        lengths, faces, _, unique, edge_map, _ = igl.intrinsic_delaunay_triangulation(lengths, faces)
-    else:
-        _, unique, edge_map, *_ = igl.unique_edge_map(faces)
+    if not delaunay:
+        table = edge_table(faces)
+        return IntrinsicMesh(faces, lengths, table.face_edges, len(vertices), len(table.edges))
+    # After flips two edges may join the same vertices: libigl numbers them by how the triangles are glued, which an
+    # edge table, made from pairs of vertices, cannot.
+    lengths, faces, _, unique, edge_map, _ = igl.intrinsic_delaunay_triangulation(lengths, faces)
     face_edges = np.ascontiguousarray(np.asarray(edge_map, np.int64).reshape(3, -1).T)
     return IntrinsicMesh(faces, lengths, face_edges, len(vertices), len(unique))
 
@@ -129,26 +131,3 @@ def vertex_areas(mesh: IntrinsicMesh) -> np.ndarray:
     """A third of the area of the triangles around each vertex, (n,), in squared units of the mesh."""
     corner = np.repeat(face_areas(mesh.lengths) / 3, 3)
     return np.bincount(mesh.faces.ravel(), corner, mesh.n_vertices)
-
-
-def factorized(matrix: sp.spmatrix) -> Factors:
-    """Factors of a symmetric positive definite sparse matrix, to solve with many right-hand sides."""
-    # On meshes that are numbered regularly minimum degree runs astray, to 40 times the work; shuffled it does not.
-    order = np.random.default_rng(0).permutation(matrix.shape[0])
-    shuffled = matrix.tocsr()[order][:, order].tocsc()
-    options = {"SymmetricMode": True}
-    return Factors(order, spla.splu(shuffled, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=options))
-
-
-@dataclass(frozen=True, eq=False)
-class Factors:
-    """Of a matrix whose rows and columns are taken in another order."""
-
-    order: np.ndarray
-    shuffled: spla.SuperLU
-
-    def solve(self, right: np.ndarray) -> np.ndarray:
-        """The solution (n, ...) for right-hand sides (n, ...)."""
-        found = np.empty(right.shape)
-        found[self.order] = self.shuffled.solve(np.ascontiguousarray(right[self.order], np.float64))
-        return found

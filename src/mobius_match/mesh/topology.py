@@ -229,8 +229,6 @@ def genus(faces: Ints, table: EdgeTable | None = None) -> int | None:
     return (2 * number - len(boundary_lengths(table)) - euler_characteristic(faces, table)) // 2
 
 
-def edges_of(faces: np.ndarray) -> np.ndarray:
-    """The edges (E, 2) of faces (m, 3), each once, lower vertex first."""
-    edges = np.sort(faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
-    size = edges.max(initial=0) + 1
-    return np.stack(np.divmod(np.unique(edges @ np.array([size, 1])), size), axis=1)
+def edges_of(faces: Ints) -> Ints:
+    """The edges (E, 2) of faces (m, 3), each once, lower vertex first, sorted."""
+    return edge_table(faces).edges

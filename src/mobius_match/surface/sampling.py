@@ -12,6 +12,7 @@ import numpy as np
 
 from .._core.display import one_line
 from ..geometry.curvature import gauss_curvature
+from ..geometry.farthest_points import farthest_points
 from ..geometry.geodesics import DistanceFunction
 from ..geometry.laplacian import IntrinsicMesh
 from .parameters import SurfaceParameters
@@ -77,14 +78,10 @@ def sample_points(
         chosen.append(int(np.argmax(distances_from(0))))
         rows.append(distances_from(chosen[0]))
     nearest = np.minimum.reduce(rows)
-    while len(chosen) < count:
-        farthest = int(np.argmax(nearest))
-        row = distances_from(farthest)
-        row[farthest] = 0.0
-        chosen.append(farthest)
+    nearest[chosen] = -np.inf
+    for vertex, row in farthest_points(distances_from, nearest, count - len(chosen)):
+        chosen.append(vertex)
         rows.append(row)
-        nearest = np.minimum(nearest, row)
-        nearest[chosen] = -1.0
     return Samples(np.array(chosen, np.int64), n_maxima, np.array(rows))
 
 

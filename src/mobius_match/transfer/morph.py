@@ -16,7 +16,7 @@ from scipy.sparse.csgraph import breadth_first_order, minimum_spanning_tree
 from scipy.spatial.transform import Rotation
 
 from ..errors import MeshError, SettingsError
-from ..geometry.laplacian import factorized
+from ..geometry.cholesky import factorized
 from ..geometry.rotations import nearest_rotations
 from ..mesh.measure import cross_products
 from ..mesh.topology import edges_of
