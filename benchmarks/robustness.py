@@ -30,18 +30,18 @@ HEADING = """# Robustness
 How the matches at default settings change when the target mesh is changed and the source is not: {pairs}.
 
 Errors are geodesic distances (heat method) on the changed target from the match to the true point, as fractions of the
-diameter of the changed target, in order of confidence. If the change keeps no vertex of the original, a true point becomes the
-nearest vertex of the changed target with a similar normal. The last column is the mean distance, as a fraction of the
-diameter, by which true points are moved for that: errors below it say nothing.
-"Wrong" are pairs whose first 45 matches have a mean error above 0.10, and pairs without any match.
+diameter of the changed target, in order of confidence. If the change keeps no vertex of the original, a true point
+becomes the nearest vertex of the changed target with a similar normal. The last column is the mean distance, as a
+fraction of the diameter, by which true points are moved for that: errors below it say nothing. "Wrong" are pairs whose
+first 45 matches have a mean error above 0.10, and pairs without any match.
 
-Decimation collapses edges by least quadric error. "Remeshed" is refined, then decimated by edge length to as
-many faces as before. Noise is Gaussian in each coordinate, its standard deviation given in mean edge lengths.
+Decimation collapses edges by least quadric error. "Remeshed" is refined, then decimated by edge length to as many faces
+as before. Noise is Gaussian in each coordinate, its standard deviation given in mean edge lengths.
 
 A surface is matched by its orientation: left stays left as seen from outside. In the mirror image of an animal that is
 nearly symmetric itself, the left paw looks like a right one. So a mirrored target should be matched like the animal
-that it looks like: to the list of points with left and right swapped, and not to the points that were mirrored. The table has
-both. Closed surfaces are turned outwards before anything else, so reversed faces make no difference.
+that it looks like: to the list of points with left and right swapped, and not to the points that were mirrored. The
+table has both. Closed surfaces are turned outwards before anything else, so reversed faces make no difference.
 
 | change of the target | mean of first 15 | mean of first 45 | first 15 within 3 % | wrong | matches | points moved |
 |---|---|---|---|---|---|---|

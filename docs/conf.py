@@ -18,7 +18,15 @@ author = "The mobius-match authors"
 copyright = author
 version = release = mobius_match.__version__
 
-extensions = ["myst_parser", "sphinx.ext.autodoc", "numpydoc", "sphinx_gallery.gen_gallery", "commands", "mathml", "whole"]
+extensions = [
+    "myst_parser",
+    "sphinx.ext.autodoc",
+    "numpydoc",
+    "sphinx_gallery.gen_gallery",
+    "commands",
+    "mathml",
+    "whole",
+]
 exclude_patterns = ["gallery"]
 smartquotes = False  # options begin with two hyphens
 
