@@ -33,26 +33,26 @@ from mobius_match.settings import make_settings
 
 HEADING = """# Ablation{where}
 
-What each ingredient of the default settings is worth: one is left out at a time, everything else stays. For each set:
-mean error of the first 15 / mean error of the first 45 / share of pairs whose first 15 are all within 3 % / wrong pairs
-(mean of the first 45 above 0.10, or no match). Errors are geodesic distances (heat method) per diameter of the target;
-where a set has landmarks, that of the match nearest to each landmark.
+What each ingredient of the default settings contributes: one is left out at a time, everything else stays. For each
+set: mean error of the first 15 / mean error of the first 45 / share of pairs whose first 15 are all within 3 % / wrong
+pairs (mean of the first 45 above 0.10, or no match). Errors are geodesic distances (heat method) as fractions of the
+target's diameter; where a set has landmarks, the error is that of the match nearest to each landmark.
 """
 
 PAGES = {
     "ablation.md": (
         "",
         """
-What finds and chooses the right explanation decides few pairs only, and a selection may have none of them: it is
-measured once more [where shapes differ](ablation-differing.md), on many runs.
+What finds and chooses the right alignment matters for few pairs only, and a selection of pairs may have none of them:
+it is measured again [where shapes differ](ablation-differing.md), on many runs.
 """,
     ),
     "ablation-differing.md": (
         " where shapes differ",
         """
-Here each pair of shapes that differ is matched both ways round and with several seeds. The rows are those ingredients
-whose worth [fewer runs of all sets](ablation.md) show badly or not at all: they keep the program from a wrong
-explanation, so the number of wrong pairs, the last of each cell, tells most.
+Here each pair of shapes that differ is matched in both directions and with several seeds. The rows are those
+ingredients whose contribution [fewer runs of all sets](ablation.md) hardly show: they keep the program from a wrong
+alignment, so the number of wrong pairs, the last in each cell, is the most telling.
 """,
     ),
 }

@@ -29,19 +29,19 @@ HEADING = """# Robustness
 
 How the matches at default settings change when the target mesh is changed and the source is not: {pairs}.
 
-Errors are geodesic distances (heat method) on the changed target from the match to the true point, per diameter of
-the changed target, in order of confidence. Where the change leaves no vertex of the original, a true point becomes the
-nearest vertex of the changed target that looks the same way; the last column is the mean distance, per diameter, that
-it moves for that: errors below it say nothing.
-"Wrong" are pairs whose first 45 matches have a mean error above 0.10, and pairs without any match.
+Errors are geodesic distances (heat method) on the changed target from the match to the true point, as fractions of the
+diameter of the changed target, in order of confidence. If the change keeps no vertex of the original, a true point
+becomes the nearest vertex of the changed target with a similar normal. The last column is the mean distance, as a
+fraction of the diameter, by which true points are moved for that: errors below it say nothing. "Wrong" are pairs whose
+first 45 matches have a mean error above 0.10, and pairs without any match.
 
-Decimation draws edges together by least quadric error. "Remeshed" is refined, then decimated by edge length to as
-many faces as before. Noise is Gaussian in each coordinate, its standard deviation given in mean edge lengths.
+Decimation collapses edges by least quadric error. "Remeshed" is refined, then decimated by edge length to as many faces
+as before. Noise is Gaussian in each coordinate, its standard deviation given in mean edge lengths.
 
 A surface is matched by its orientation: left stays left as seen from outside. In the mirror image of an animal that is
-nearly symmetric itself, the left paw looks like a right one. So a mirrored target is expected to match as the animal
-that it looks like, to the list of points with left and right exchanged, and not to the points that were mirrored. Both
-are given. Closed surfaces are turned outwards before anything else, so faces that look inwards make no difference.
+nearly symmetric itself, the left paw looks like a right one. So a mirrored target should be matched like the animal
+that it looks like: to the list of points with left and right swapped, and not to the points that were mirrored. The
+table has both. Closed surfaces are turned outwards before anything else, so reversed faces make no difference.
 
 | change of the target | mean of first 15 | mean of first 45 | first 15 within 3 % | wrong | matches | points moved |
 |---|---|---|---|---|---|---|
@@ -96,7 +96,7 @@ def page(chosen: list[Case], found: list[list[dict[str, Any]]], command: str) ->
     text = HEADING.format(pairs=", ".join(f"{number} pairs of `{name}`" for name, number in sets.items()))
     wrongs, failures = [], []
     for change, records in zip(CHANGES, zip(*found, strict=True), strict=True):
-        lists = {"direct": "the same points", "mirrored": "left and right exchanged"}
+        lists = {"direct": "the same points", "mirrored": "left and right swapped"}
         for variant in lists if change.startswith("mirrored") else ("direct",):
             name = f"{change}, to {lists[variant]}" if change.startswith("mirrored") else change
             line, wrong = row(name, list(records), variant)

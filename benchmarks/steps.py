@@ -17,8 +17,9 @@ from matplotlib.collections import LineCollection
 
 import mobius_match as mm
 from mobius_match._core.files import write_atomically
-from mobius_match.alignments.candidates import explanations
+from mobius_match.alignments.candidates import candidate_alignments
 from mobius_match.alignments.coarse_map import refined_targets
+from mobius_match.alignments.parameters import AlignmentParameters
 from mobius_match.evaluation import examples
 from mobius_match.exporting.figures import colours_of, draw_matches
 from mobius_match.geometry.laplacian import intrinsic_mesh
@@ -110,18 +111,18 @@ def matrices(result):
     for axes, shown, title in zip(row, (matrix, chosen), ("C: votes", "after max-row-column"), strict=True):
         picture = axes.imshow(shown[np.ix_(rows, columns)], norm=scale, cmap="magma_r", interpolation="nearest")
         axes.set(title=title, xlabel="samples of the target", ylabel="samples of the source", xticks=[], yticks=[])
-    figure.colorbar(picture, ax=row, label="votes, per largest")
+    figure.colorbar(picture, ax=row, label="votes / largest")
     return figure
 
 
 def alternatives(result):
-    """Two explanations of one pair."""
-    lost = result.alternatives[0]
+    """Two alignments of one pair."""
+    second = result.alternatives[0]
     other = replace(
-        result, pairs=lost.pairs, confidence=lost.confidence, kind=lost.kind, target_points=lost.target_points
+        result, pairs=second.pairs, confidence=second.confidence, kind=second.kind, target_points=second.target_points
     )
     figure, row = plt.subplots(1, 2, figsize=(12, 4.2), layout="constrained")
-    titles = ("chosen", f"lost, worse by {lost.margin:.2f}: chest and arms exchanged")
+    titles = ("chosen", f"runner-up, its cost is {second.margin:.2f} higher: chest and arms swapped")
     for axes, one, title in zip(row, (result, other), titles, strict=True):
         stream = io.BytesIO()
         draw_matches(one, stream, size=(1000, 640), view=(0, 8))
@@ -131,16 +132,16 @@ def alternatives(result):
     return figure
 
 
-def bent(result):
-    """The source's proxy: where it is, where the votes' map sends it, and bent onto the target."""
-    source, target = result.source, result.target
-    chosen = explanations(source, target, result.votes)[0]
+def registered(result):
+    """The source's proxy: where it is, where the alignment's map sends it, and registered to the target."""
+    source, target, parameters = result.source, result.target, AlignmentParameters()
+    chosen = candidate_alignments(source, target, result.votes, parameters)[0]
     colours = colours_of(source.mesh.vertices[source.proxy])
-    sent = target.mesh.vertices[refined_targets(source, target, chosen.image, source.proxy)]
-    positions = chosen.registered(source, target).positions
+    sent = target.mesh.vertices[refined_targets(source, target, chosen.image, source.proxy, parameters.coarse_map)]
+    positions = chosen.registered(source, target, parameters).positions
     figure, row = plt.subplots(1, 3, figsize=(11, 4.6), layout="constrained")
     shown = (source.mesh.vertices[source.proxy], sent, positions)
-    titles = ("the source, 1,200 points", "where the votes send them", "bent onto the target")
+    titles = ("the source, 1,200 points", "where the alignment sends them", "registered to the target")
     for axes, mesh, points, title in zip(row, (source, target, target), shown, titles, strict=True):
         joined = source.proxy_edges
         front(axes, mesh.mesh.vertices, mesh.mesh.faces)
@@ -156,7 +157,7 @@ def main():
     parser.add_argument("--folder", type=Path, default=Path("docs/images"))
     folder = parser.parse_args().folder
     result = mm.match(*examples.paths("person"), seed=0)
-    for draw in (samples, planes, matrices, alternatives, bent):
+    for draw in (samples, planes, matrices, alternatives, registered):
         stream = io.BytesIO()
         draw(result).savefig(stream, dpi=110)
         path = folder / f"step-{draw.__name__}.png"

@@ -18,11 +18,19 @@ author = "The mobius-match authors"
 copyright = author
 version = release = mobius_match.__version__
 
-extensions = ["myst_parser", "sphinx.ext.autodoc", "numpydoc", "sphinx_gallery.gen_gallery", "commands", "whole"]
+extensions = [
+    "myst_parser",
+    "sphinx.ext.autodoc",
+    "numpydoc",
+    "sphinx_gallery.gen_gallery",
+    "commands",
+    "mathml",
+    "whole",
+]
 exclude_patterns = ["gallery"]
 smartquotes = False  # options begin with two hyphens
 
-myst_enable_extensions = ["colon_fence"]
+myst_enable_extensions = ["colon_fence", "dollarmath", "amsmath"]
 myst_heading_anchors = 3
 
 autodoc_typehints = "none"
@@ -46,6 +54,7 @@ suppress_warnings = ["config.cache"]
 warnings.filterwarnings("ignore", message="FigureCanvasAgg is non-interactive")
 
 html_theme = "furo"
+html_math_renderer = "mathml"
 html_title = "mobius-match"
 html_static_path = ["static"]
 html_css_files = ["site.css"]

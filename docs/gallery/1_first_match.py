@@ -2,31 +2,30 @@
 A first match
 =============
 
-Two poses of an animal, each meshed on its own: which vertex of one is which vertex of the other?
+Two poses of an animal that were meshed independently: which vertex of the one corresponds to which of the other?
 """
 
 import numpy as np
 
 import mobius_match as mm
-from mobius_match.evaluation import examples
-from mobius_match.exporting.figures import draw_matches
 
-source, target = examples.paths("quadruped")
+source, target = mm.examples.paths("quadruped")
 result = mm.match(source, target, seed=0)
 for k in range(5):
     i, j = result.pairs[k]
-    print(f"vertex {i} is vertex {j}, confidence {result.confidence[k]:.3f} ({result.kind[k]})")
+    print(f"vertex {i} matches vertex {j}, confidence {result.confidence[k]:.3f} ({result.kind[k]})")
 
 # %%
-# A sphere of one colour on both sides is one match; the larger, the more certain. The picture shows the matches that
-# can be seen from one side; :doc:`/viewer` shows them all.
+# Spheres of the same colour are one match; larger spheres are more certain. The picture shows the matches that are
+# visible from one side; :doc:`/viewer` shows all of them.
 
-draw_matches(result, "matches.png", size=(1600, 640))
+mm.draw_matches(result, "matches.png", size=(1600, 640))
 
 # %%
-# The true places are known here. Each match names a point inside a face of the target, finer than its vertices:
+# The true positions are known here. Each match names a point inside a face of the target, which is finer than its
+# vertices:
 
-faces, barycentric = examples.truth("quadruped")
+faces, barycentric = mm.examples.truth("quadruped")
 mesh = mm.read_mesh(target)
 true = np.einsum("qc,qcx->qx", barycentric, mesh.vertices[mesh.faces[faces]])
 found = result.target_points.values(mesh.vertices)

@@ -1,23 +1,21 @@
 """
-Every vertex, and what is carried along
-=======================================
+A dense map, and transfer along it
+==================================
 
-A few hundred matches become a map of all vertices, both ways; colours, labels and textures travel on it.
+A few hundred matches become a map of all vertices in both directions, along which colours, labels and textures are
+transferred.
 """
 
 import matplotlib.pyplot as plt
 import numpy as np
 
 import mobius_match as mm
-from mobius_match.evaluation import examples
-from mobius_match.exporting.figures import draw_shapes
-from mobius_match.transfer.transfer import Transfer
 
-dense = mm.match(*examples.paths("person"), seed=0).dense()
+dense = mm.match(*mm.examples.paths("person"), seed=0).dense()
 print(mm.quality(dense))
 
 # %%
-# Place on the source as colour, carried to the target:
+# Position on the source as colour, transferred to the target:
 
 carrier = Transfer(dense)
 source, target = carrier.source, carrier.target
@@ -28,7 +26,7 @@ carried = carrier.colors(colours)
 
 def drawn(mesh, paint):
     return next(
-        draw_shapes(
+        mm.draw_shapes(
             mesh.vertices[None],
             mesh.faces,
             size=(500, 620),
@@ -43,8 +41,8 @@ plt.imsave(
 )
 
 # %%
-# What the map does to areas, without knowing the truth: blue where they shrink, red where they grow, white where they
-# stay. It is strongest where joints bend.
+# What the map does to areas, measured without ground truth: blue where they shrink, red where they grow, white where
+# they stay the same. The change is largest at joints that bend.
 
 growth = np.nan_to_num(mm.quality(dense).area)
 paint = plt.get_cmap("RdBu_r")(0.5 + growth / 2)[:, :3]

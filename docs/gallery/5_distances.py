@@ -1,8 +1,9 @@
 """
-How alike shapes are
-====================
+How similar shapes are
+======================
 
-The mean change of geodesic distances under the map of two shapes is a distance between them that poses hardly change.
+The mean change of geodesic distances under the map between two shapes is a distance between them. It hardly depends on
+the pose.
 """
 
 from itertools import combinations
@@ -11,12 +12,11 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import mobius_match as mm
-from mobius_match.evaluation import examples
 
 # %%
 # The animal in two poses, and the second again with a longer neck: another animal.
 
-meshes = [mm.read_mesh(path) for path in examples.paths("quadruped")]
+meshes = [mm.read_mesh(path) for path in mm.examples.paths("quadruped")]
 walking = meshes[1]
 before = np.clip(walking.vertices[:, 2:] - 0.25, 0, None)  # it looks along z
 longer = (walking.vertices + [0, 0.5, 1.0] * before, walking.faces)
@@ -35,9 +35,9 @@ axes.set_yticks(range(3), names)
 for (i, j), value in np.ndenumerate(distances):
     colour = "white" if value > distances.max() / 2 else "black"
     axes.text(j, i, f"{value:.3f}", ha="center", va="center", color=colour)
-figure.colorbar(picture, label="mean change of distances, per sqrt(area)")
+figure.colorbar(picture, label="mean change of distances / sqrt(area)")
 plt.show()
 
 # %%
-# Two poses of one animal are closer than two animals. Between shapes of different kinds,
-# such as a person and an animal, distances are larger still: :doc:`/dense`.
+# Two poses of one animal are closer to each other than two animals. Between shapes of different kinds, such as a person
+# and an animal, distances are larger still: :doc:`/dense`.

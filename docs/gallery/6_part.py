@@ -2,16 +2,14 @@
 A part of a shape
 =================
 
-The front half of an animal, looked for on the whole animal in another pose.
+The front half of an animal is located on the whole animal in another pose.
 """
 
 import numpy as np
 
 import mobius_match as mm
-from mobius_match.evaluation import examples
-from mobius_match.exporting.figures import draw_matches
 
-first, second = examples.paths("quadruped")
+first, second = mm.examples.paths("quadruped")
 whole = mm.read_mesh(first)
 front = (whole.vertices[whole.faces][:, :, 2] > 0.05).all(axis=1)  # it looks along z
 part = mm.Mesh(whole.vertices, whole.faces[front], name="front half")
@@ -19,13 +17,13 @@ part = mm.Mesh(whole.vertices, whole.faces[front], name="front half")
 result = mm.match(part, second, seed=0)
 print(result)
 print(*result.warnings, sep="\n")
-draw_matches(result, "part.png")
+mm.draw_matches(result, "part.png")
 
 # %%
-# Nothing is reported for what is missing, nor next to the cut. The part was taken out of the first pose with its
-# vertex numbers, so the truth is known:
+# There are no matches for what is missing, nor next to the cut. The part has the vertex numbers of the first pose, so
+# the truth is known:
 
-faces, barycentric = examples.truth("quadruped")
+faces, barycentric = mm.examples.truth("quadruped")
 mesh = mm.read_mesh(second)
 true = np.einsum("qc,qcx->qx", barycentric, mesh.vertices[mesh.faces[faces]])
 found = result.target_points.values(mesh.vertices)

@@ -2,23 +2,20 @@
 Landmarks from one shape to the other
 =====================================
 
-Points that someone placed on one shape, with the names they were given, appear on the other.
+Named points that were placed on one shape are transferred to the other.
 """
 
 import matplotlib.pyplot as plt
 import numpy as np
 
 import mobius_match as mm
-from mobius_match.evaluation import examples
-from mobius_match.exporting.figures import draw_shapes
-from mobius_match.transfer.transfer import Transfer
 
-carrier = Transfer(mm.match(*examples.paths("person"), seed=0).dense())
+carrier = mm.Transfer(mm.match(*mm.examples.paths("person"), seed=0).dense())
 source, target = carrier.source, carrier.target
 
 # %%
-# Three places on the source by their coordinates, moved to the nearest point of the surface, then carried. What comes
-# out are exact places on the target, and the vertices nearest to them.
+# Three positions on the source are moved to the closest point of the surface, then transferred. The result is exact
+# positions on the target, and the vertices nearest to them.
 
 height = source.vertices[:, 1]
 placed = {
@@ -32,7 +29,7 @@ for name, place, vertex in zip(placed, places, vertices, strict=True):
     print(f"{name}: vertex {vertex} at {np.round(place, 3)}")
 
 # %%
-# Painted, on both: what lies within 8 cm of a landmark.
+# On both shapes, what lies within 8 cm of a landmark is painted:
 
 
 def drawn(mesh, landmarks):
@@ -40,7 +37,7 @@ def drawn(mesh, landmarks):
     paint = np.full((len(mesh.vertices), 3), 0.8, np.float32)
     for k in range(len(landmarks)):
         paint[near[:, k]] = plt.get_cmap("tab10")(k)[:3]
-    return next(draw_shapes(mesh.vertices[None], mesh.faces, size=(500, 620), paint=paint))
+    return next(mm.draw_shapes(mesh.vertices[None], mesh.faces, size=(500, 620), paint=paint))
 
 
 plt.imsave(
@@ -49,8 +46,8 @@ plt.imsave(
 )
 
 # %%
-# Pairs that you know guide a match: they decide which explanation is right, and stay in the result.
+# Known pairs guide a match: they decide which alignment is right, and are part of the result.
 
 head = int(height.argmax())
-hinted = mm.match(*examples.paths("person"), seed=0, landmarks=[(head, int(vertices[0]))])
+hinted = mm.match(*mm.examples.paths("person"), seed=0, landmarks=[(head, int(vertices[0]))])
 print(f"{len(hinted)} matches, {hinted.given.sum()} of them given: {hinted.pairs[0]}")
