@@ -20,7 +20,8 @@ from mobius_match._core.files import write_atomically
 from mobius_match.alignments.candidates import explanations
 from mobius_match.alignments.coarse_map import refined_targets
 from mobius_match.evaluation import examples
-from mobius_match.exporting.figures import colours_of, draw_matches
+from mobius_match.exporting.figures import draw_matches
+from mobius_match.exporting.scene import colours_of
 from mobius_match.geometry.laplacian import intrinsic_mesh
 from mobius_match.surface.flattening import choose_cut_face, flatten, vertex_positions
 from mobius_match.transfer.transfer import Carrier
