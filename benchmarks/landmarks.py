@@ -17,7 +17,7 @@ import numpy as np
 import mobius_match as mm
 from mobius_match.evaluation.datasets import find_dataset
 from mobius_match.evaluation.metrics import geodesic_distances
-from mobius_match.exporting.figures import numbered
+from mobius_match.exporting.result_meshes import vertices_numbered
 
 GIVEN = (0, 1, 3, 5)
 POINTS, WRONG = 60, 0.3
@@ -40,7 +40,7 @@ def main() -> None:
             for number in GIVEN:
                 result = mm.match(source, target, landmarks=known[:number] if number else None)
                 images = result.dense().vertex_map[rest[:, 0]]
-                ends = (numbered(mesh, vertices) for vertices in (rest[images >= 0, 1], images[images >= 0]))
+                ends = (vertices_numbered(mesh, vertices) for vertices in (rest[images >= 0, 1], images[images >= 0]))
                 apart = geodesic_distances(mesh, *ends, "heat")
                 errors.append(apart.mean() / np.sqrt(target.area))
             table.append(errors)

@@ -21,7 +21,8 @@ from mobius_match.alignments.candidates import candidate_alignments
 from mobius_match.alignments.coarse_map import refined_targets
 from mobius_match.alignments.parameters import AlignmentParameters
 from mobius_match.evaluation import examples
-from mobius_match.exporting.figures import colours_of, draw_matches
+from mobius_match.exporting.figures import draw_matches
+from mobius_match.exporting.scene import colours_of
 from mobius_match.geometry.laplacian import intrinsic_mesh
 from mobius_match.surface.flattening import choose_cut_face, flatten, vertex_positions
 from mobius_match.transfer.transfer import Transfer

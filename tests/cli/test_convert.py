@@ -61,13 +61,13 @@ def test_a_map_alone_is_converted(mobius, given, tmp_path):
     ("arguments", "code", "message"),
     [
         (("result.json", "out.stl"), 2, "unknown ending; known are .csv, .mrk.json"),
-        (("result.json", "out.csv", "--format", "xls"), 2, "the format is 'xls'"),
+        (("result.json", "out.csv", "--format", "xls"), 2, "is 'xls'; choose one of csv, slicer"),
         (("result.json", "-", "--format", "csv"), 2, "OUT is a file"),
         (("result.json", "result.json", "--side", "source"), 2, "is one of the inputs"),
         (("result.json", "nowhere/out.pts"), 2, "does not exist"),
         (("result.json", "out.csv", "--min-confidence", "0.95"), 4, "the highest is 0.900"),
-        (("result.json", "out.txt"), 2, "give it with --dense MAP.npz"),
-        (("map.npz", "out.tps"), 2, "a dense map holds no list of matches"),
+        (("result.json", "out.txt"), 2, "this format holds a dense map"),
+        (("map.npz", "out.tps"), 2, "this format holds matches"),
         (("broken.json", "out.tps"), 3, "not a readable result file"),
         (("absent.json", "out.tps"), 3, "not a readable result file"),
     ],
@@ -85,8 +85,8 @@ def test_errors_of_convert(mobius, given, tmp_path, monkeypatch, arguments, code
     assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == before
 
 
-@pytest.mark.parametrize("start", [name for name, one in FORMATS.items() if one.marks])
-@pytest.mark.parametrize("end", [name for name, one in FORMATS.items() if one.marks])
+@pytest.mark.parametrize("start", [name for name, form in FORMATS.items() if form.write_landmarks])
+@pytest.mark.parametrize("end", [name for name, form in FORMATS.items() if form.write_landmarks])
 def test_landmarks_in_any_format_to_any_other_and_back(mobius, given, kept, tmp_path, start, end):
     """The map takes vertex to vertex: places come out as they are in the other file, to the last digit."""
     _, surface_map, number, lost, _ = kept
@@ -95,7 +95,7 @@ def test_landmarks_in_any_format_to_any_other_and_back(mobius, given, kept, tmp_
     source, target = surface_map.source.vertices, surface_map.target.vertices
     endings = FORMATS[start].endings[0], FORMATS[end].endings[0]
     marks = Landmarks(["nose", "tail", "a", "b", "c", "lost"], None, source[[*some, *gone]], "one")
-    (tmp_path / f"on-one{endings[0]}").write_bytes(FORMATS[start].marks([marks], "", "LPS"))
+    (tmp_path / f"on-one{endings[0]}").write_bytes(FORMATS[start].write_landmarks([marks], "", "LPS"))
     ended = mobius(
         "landmarks", tmp_path / f"on-one{endings[0]}", given / "map.npz", "-o", tmp_path / f"on-two{endings[1]}"
     )
@@ -137,7 +137,7 @@ def test_a_file_in_the_other_system_is_converted(mobius, given, kept, tmp_path):
     _, surface_map, *_ = kept
     some = np.flatnonzero(surface_map.source_mapped)[:4]
     marks = Landmarks(list("abcd"), None, surface_map.source.vertices[some] * [-1, -1, 1])
-    (tmp_path / "a.fcsv").write_bytes(FORMATS["fcsv"].marks([marks], "", "RAS"))
+    (tmp_path / "a.fcsv").write_bytes(FORMATS["fcsv"].write_landmarks([marks], "", "RAS"))
     for options, sign in (((), 1), (("--coordinate-system", "RAS"), None)):
         ended = mobius("landmarks", tmp_path / "a.fcsv", given / "map.npz", "-o", tmp_path / "b.fcsv", *options)
         assert ended.code == 0
@@ -163,9 +163,9 @@ def test_landmarks_by_vertex_and_of_a_match_that_is_made_again(mobius, pair, tmp
         (("a.csv", "-o", "b.mat"), 2, "landmarks are written as .csv, .mrk.json"),
         (("a.csv", "-o", "a.csv"), 2, "is one of the inputs"),
         (("two.tps", "-o", "b.csv"), 2, "holds 2 specimens"),
-        (("two.tps", "-o", "b.csv", "--specimen", "7"), 2, "no specimen is called '7'"),
-        (("bad.tps", "-o", "b.csv"), 3, "bad.tps, line 1: LM3=4 of line 1 is followed by 0 rows only"),
-        (("a.csv", "-o", "b.csv", "--coordinate-system", "up"), 2, "coordinate system is 'up'"),
+        (("two.tps", "-o", "b.csv", "--specimen", "7"), 2, "'7'; there are"),
+        (("bad.tps", "-o", "b.csv"), 3, "bad.tps, line 1: LM3=4 of line 1 is followed by only 0 rows"),
+        (("a.csv", "-o", "b.csv", "--coordinate-system", "up"), 2, "is 'up'; choose one of LPS, RAS"),
         (("far.csv", "-o", "b.csv"), 2, "one.ply has no vertex 9999"),
         (("lost.csv", "-o", "b.csv"), 4, "lost.csv: none of its landmarks has a counterpart on two.ply"),
     ],

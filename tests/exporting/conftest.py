@@ -1,4 +1,4 @@
-"""A pair of meshes, matched, with its dense map and the places of its matches."""
+"""A matched pair of meshes with its dense map and the positions of its matches."""
 
 import numpy as np
 import pytest
@@ -12,9 +12,9 @@ SIDES = ("source", "target")
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
     folder = tmp_path_factory.mktemp("export")
-    one, (two, _) = lump(2), renumbered(lump(2))
-    # Coordinates that no short decimal number is.
-    for name, (vertices, faces), shift in (("one.ply", one, 1 / 3), ("two <&> -- “b”.ply", two, 1 / 7)):
+    source, (target, _) = lump(2), renumbered(lump(2))
+    # Coordinates without a short decimal representation.
+    for name, (vertices, faces), shift in (("one.ply", source, 1 / 3), ("two <&> -- “b”.ply", target, 1 / 7)):
         rows = np.empty(len(faces), [("n", "u1"), ("corners", "<i4", 3)])
         rows["n"], rows["corners"] = 3, faces
         head = "ply\nformat binary_little_endian 1.0\n" + "".join(
@@ -37,7 +37,7 @@ def dense(result):
 
 @pytest.fixture(scope="module")
 def places(result):
-    """Where the matches are on both shapes, from the numbers of the result alone."""
+    """Positions of the matches on both shapes, computed from the result alone."""
     meshes = [mm.read_mesh(info["path"]) for info in (result.source_info, result.target_info)]
     there = result.target_points
     return (
@@ -48,6 +48,6 @@ def places(result):
 
 @pytest.fixture(scope="module")
 def partial(dense):
-    """The map, with some vertices that have no counterpart."""
+    """The map with some vertices without a counterpart."""
     lost = np.arange(len(dense.source_mapped)) % 7 == 3
     return type(dense)(dense.source, dense.target, dense.target_points, dense.source_points, ~lost, dense.target_mapped)

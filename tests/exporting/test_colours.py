@@ -1,9 +1,9 @@
-"""Colours of matches and of scales, as those see them who lack one kind of cone."""
+"""Colours of matches and of colour scales, as they appear with a colour-vision deficiency."""
 
 import numpy as np
 import pytest
 
-from mobius_match.exporting.figures import colours_of
+from mobius_match.exporting.scene import colours_of
 from mobius_match.viewer import packing
 
 # G. M. Machado, M. M. Oliveira, L. A. F. Fernandes, "A physiologically-based model for simulation of color vision
@@ -38,16 +38,16 @@ def rgb(stops):
 @pytest.mark.parametrize("kind", SEEN)
 def test_matches_half_a_shape_apart_differ(kind):
     seen = perceived(colours_of(np.linspace([-1, 0, 0], [1, 0, 0], 41)), kind)
-    apart = np.linalg.norm(seen[:, None] - seen[None], axis=2)
+    differences = np.linalg.norm(seen[:, None] - seen[None], axis=2)
     far = np.abs(np.subtract.outer(np.arange(41), np.arange(41))) >= 20
-    assert apart[far].min() > 0.12
-    assert apart[0, -1] > 0.3
+    assert differences[far].min() > 0.12
+    assert differences[0, -1] > 0.3
 
 
 @pytest.mark.parametrize("kind", SEEN)
 def test_scales_keep_their_order(kind):
     rising, diverging = (perceived(rgb(stops), kind) for stops in (packing.RISING, packing.DIVERGING))
-    assert (np.diff(rising[:, 0]) < -0.1).all()  # darker and darker
-    assert (np.diff(diverging[:, 0]) * [1, 1, -1, -1] > 0.1).all()  # darker to both sides
+    assert (np.diff(rising[:, 0]) < -0.1).all()  # monotonically darker
+    assert (np.diff(diverging[:, 0]) * [1, 1, -1, -1] > 0.1).all()  # darker towards both ends
     for k in (0, 1):
-        assert np.linalg.norm((diverging[k] - diverging[-1 - k])[1:]) > 0.1  # the sides differ in colour
+        assert np.linalg.norm((diverging[k] - diverging[-1 - k])[1:]) > 0.1  # both ends differ in hue

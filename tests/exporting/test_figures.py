@@ -16,8 +16,9 @@ from scipy import ndimage
 
 from mobius_match import Correspondence, FormatError, MeshError, SettingsError
 from mobius_match.evaluation import examples
-from mobius_match.exporting.figures import colours_of, draw_matches, farthest_first
+from mobius_match.exporting.figures import draw_matches, farthest_first
 from mobius_match.exporting.rendering import Shape, render
+from mobius_match.exporting.scene import colours_of
 from mobius_match.mesh import as_mesh, repair
 
 SIZE = (400, 200)
@@ -99,24 +100,24 @@ def test_a_match_has_one_colour_on_both_sides():
     assert np.abs(first[0] - first[1]).max() > 0.3
 
 
-def test_exchanged_matches_exchangecolours_of():
+def test_exchanged_matches_exchange_colours():
     (vertices, faces), _ = ball()
     ends = [int(np.argmax(vertices @ [x, 0, 1])) for x in (-1, 1)]
-    one, other = halves(drawn(result_of((vertices, faces), (vertices, faces), [ends, ends[::-1]])))
-    # What is left on the source is right on the target.
-    first, second = (spots_from_left_to_right(half) for half in (one, other))
+    left, right = halves(drawn(result_of((vertices, faces), (vertices, faces), [ends, ends[::-1]])))
+    # The match on the left of the source is on the right of the target.
+    first, second = (spots_from_left_to_right(half) for half in (left, right))
     assert len(first) == len(second) == 2
     assert np.abs(first[0] - second[1]).max() < 0.1
     assert np.abs(first[1] - second[0]).max() < 0.1
     assert np.abs(first[0] - second[0]).max() > 0.3
 
 
-def test_what_the_surface_hides_is_not_drawn():
+def test_hidden_matches_are_not_drawn():
     mesh, (_, _, front, _, _, back) = ball()
     both = drawn(result_of(mesh, mesh, [(front, front), (back, back)]))
     for half in halves(both):
         assert ndimage.label(saturated(half))[1] == 1
-    # From one side only one end of the match can be seen, wherever the viewer stands.
+    # From any viewpoint only one end of the match is visible.
     left, right = halves(drawn(result_of(mesh, mesh, [(front, back)])))
     assert sorted([saturated(left).any(), saturated(right).any()]) == [False, True]
 
@@ -148,7 +149,7 @@ def test_the_radius_grows_with_confidence():
 
 
 @pytest.mark.parametrize("most", [0, 1, 3, 6])
-def test_most(most):
+def test_the_number_of_matches_is_limited(most):
     (vertices, faces), _ = ball()
     chosen = [int(np.argmax(vertices @ [np.sin(a), np.cos(a), 1.5])) for a in np.arange(6) * np.pi / 3]
     picture = drawn(result_of((vertices, faces), (vertices, faces), np.c_[chosen, chosen]), most=most)
@@ -156,7 +157,7 @@ def test_most(most):
         assert ndimage.label(saturated(half))[1] == most
 
 
-def test_those_that_are_drawn_lie_far_from_each_other():
+def test_the_matches_drawn_are_far_from_each_other():
     line = np.array([[0.0, 0, 0], [1, 0, 0], [10, 0, 0], [9, 0, 0], [5, 0, 0], [4, 0, 0]])
     assert farthest_first(line, 3).tolist() == [0, 2, 4]
     assert farthest_first(line, 9).tolist() == [0, 1, 2, 3, 4, 5]
@@ -164,7 +165,7 @@ def test_those_that_are_drawn_lie_far_from_each_other():
     assert farthest_first(line, 0).tolist() == farthest_first(line[:0], 5).tolist() == []
 
 
-def test_the_numbers_are_those_of_the_users_file():
+def test_matches_are_vertices_of_the_users_file():
     (vertices, faces), (_, _, front, *_) = ball()
     unused = np.vstack([np.full((7, 3), 0.5), vertices])
     plain = drawn(result_of((vertices, faces), (vertices, faces), [(front, front)]))
@@ -187,7 +188,7 @@ def test_a_flat_sheet():
         vertices = np.stack(axes, axis=1)
         left, right = halves(drawn(result_of((vertices, faces), (vertices, faces[:, ::-1]), [(60, 60), (24, 24)])))
         for half in (left, right):
-            assert (half.min(axis=2) < 0.98).mean() > 0.2  # not seen edge on
+            assert (half.min(axis=2) < 0.98).mean() > 0.2  # not seen edge-on
             assert ndimage.label(saturated(half))[1] == 2
 
 
@@ -256,11 +257,11 @@ def test_a_loaded_result_of_arrays_is_refused():
     [
         ("a.pdf", {}, r"a\.pdf: .*\.png"),
         ("png", {}, r"png: .*\.png"),
-        ("a.png", {"size": (10, 800)}, "size is .*64 to 4096"),
+        ("a.png", {"size": (10, 800)}, "`size` is .*64 to 4096"),
         ("a.png", {"size": (800.5, 800)}, "size"),
         ("a.png", {"size": 800}, "size"),
-        ("a.png", {"most": -1}, "most is -1"),
-        ("a.png", {"most": None}, "most is None"),
+        ("a.png", {"most": -1}, "`most` is -1"),
+        ("a.png", {"most": None}, "`most` is None"),
     ],
 )
 def test_settings_out_of_range(quadruped, tmp_path, name, options, message):
@@ -269,7 +270,7 @@ def test_settings_out_of_range(quadruped, tmp_path, name, options, message):
     assert not list(tmp_path.iterdir())
 
 
-def testcolours_of_change_smoothly_and_stand_out():
+def test_colours_change_smoothly_and_differ_from_grey():
     rng = np.random.default_rng(0)
     line = np.c_[np.linspace(-3, 3, 60), 0.01 * rng.normal(size=(60, 2))]
     level = colours_of(line) @ [0.2126, 0.7152, 0.0722]

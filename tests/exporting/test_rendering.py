@@ -1,4 +1,4 @@
-"""How recovered matches look, and where pictures are seen from."""
+"""The shape of recovered matches, and the direction of view."""
 
 from __future__ import annotations
 
@@ -7,12 +7,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from mobius_match.exporting.figures import colours_of
+from mobius_match.exporting.scene import colours_of
 from tests.exporting.test_figures import ball, drawn, halves, result_of, saturated
 
 
 def test_recovered_matches_are_diamonds():
-    """Of the box around it, a disc fills pi / 4 and a diamond half."""
+    """A disc fills pi / 4 of its bounding box, a diamond half of it."""
     mesh, ends = ball()
     result = result_of(mesh, mesh, [(ends[2], ends[2])])
     filled = []

@@ -1,4 +1,4 @@
-"""A match in every format, read back by someone else's reader or by the format's published grammar."""
+"""A match in every format, read by an independent reader or by the published grammar of the format."""
 
 import csv
 import json
@@ -15,7 +15,7 @@ from mobius_match.exporting import export
 
 SIDES = ("source", "target")
 
-# What the published schema (markups-schema-v1.0.3.json) says of what is written here.
+# Types by the published schema (markups-schema-v1.0.3.json).
 OPTIONAL = {
     "id": str,
     "label": str,
@@ -105,7 +105,12 @@ def test_tps(result, places, tmp_path):
     found, names = tps_by_the_grammar(text)
     assert names == [name.replace(" ", "_") for name in names_of(result)]
     equal(found, np.array(places))
-    assert text.count("COMMENT=mobius-match; source -> target: number k of the one is number k of the other") == 2
+    assert (
+        text.count(
+            "COMMENT=mobius-match; source -> target: landmark k of the source corresponds to landmark k of the target"
+        )
+        == 2
+    )
 
 
 def test_morphologika(result, places, tmp_path):
@@ -159,23 +164,25 @@ def test_coloured_meshes(result, dense, tmp_path, kind):
         for path, info in zip(paths, (result.source_info, result.target_info), strict=True):
             mesh, own = trimesh.load(path, process=False, force="mesh"), mm.read_mesh(info["path"])
             np.testing.assert_array_equal(mesh.faces, own.faces)
-            told = f"mobius-match; source -> target: equal colours correspond; this is the {SIDES[paths.index(path)]},"
-            assert path.read_bytes().count(told.encode()) == 1
+            comment = (
+                f"mobius-match; source -> target: equal colours correspond; this is the {SIDES[paths.index(path)]},"
+            )
+            assert path.read_bytes().count(comment.encode()) == 1
             if kind == "ply":
                 equal(mesh.vertices, own.vertices)
             else:
                 np.testing.assert_array_equal(mesh.vertices.astype(np.float32), own.vertices.astype(np.float32))
             colours.append(np.asarray(mesh.visual.vertex_colors)[:, :3].astype(int))
-        # The two ends of a match look alike, though the colours of all matches differ.
-        here, there = (side[numbers] for side, numbers in zip(colours, result.pairs.T, strict=True))
+        # Both ends of a match have similar colours, and different matches different ones.
+        source_colours, target_colours = (side[numbers] for side, numbers in zip(colours, result.pairs.T, strict=True))
         if given is None:
-            np.testing.assert_array_equal(here, there)
+            np.testing.assert_array_equal(source_colours, target_colours)
         else:
-            assert np.abs(here - there).max() <= 20
-        assert len(np.unique(here, axis=0)) > len(result) // 2
+            assert np.abs(source_colours - target_colours).max() <= 20
+        assert len(np.unique(source_colours, axis=0)) > len(result) // 2
 
 
-def test_without_a_counterpart_is_grey(result, dense, tmp_path):
+def test_vertices_without_a_counterpart_are_grey(result, dense, tmp_path):
     lost = np.zeros(len(dense.source_mapped), bool)
     lost[:9] = True
     part = type(dense)(dense.source, dense.target, dense.target_points, dense.source_points, ~lost, dense.target_mapped)

@@ -214,12 +214,12 @@ def test_repeated_and_inconsistent_landmarks_are_reported(copies):
 
 def written(folder, name, marks):
     path = folder / name
-    (file_format,) = (known for known in FORMATS.values() if known.marks and name.endswith(known.endings[0]))
-    path.write_bytes(file_format.marks(marks, "", "LPS"))
+    (file_format,) = (form for form in FORMATS.values() if form.write_landmarks and name.endswith(form.endings[0]))
+    path.write_bytes(file_format.write_landmarks(marks, "", "LPS"))
     return path
 
 
-@pytest.mark.parametrize("ending", [known.endings[0] for known in FORMATS.values() if known.marks])
+@pytest.mark.parametrize("ending", [form.endings[0] for form in FORMATS.values() if form.write_landmarks])
 def test_two_files_are_paired_by_name_or_by_order(copies, tmp_path, ending):
     source, target, new = copies
     vertices = np.array([7, 70, 170])

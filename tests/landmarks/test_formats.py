@@ -1,4 +1,4 @@
-"""Landmark files of other programs, and what is said of those that are damaged."""
+"""Landmark files of other programs, and the errors for damaged ones."""
 
 import json
 import tracemalloc
@@ -29,7 +29,7 @@ MARKUPS = {
     ],
 }
 
-# Each as another program writes it.
+# As other programs write them.
 GOOD = {
     "F.mrk.json": json.dumps(MARKUPS, indent=4),
     "F.fcsv": "# Markups fiducial file version = 4.11\n# CoordinateSystem = LPS\n"
@@ -67,12 +67,12 @@ def written(folder, name, text):
 @pytest.mark.parametrize("name", GOOD)
 def test_files_of_other_programs(name, tmp_path):
     for mark in (b"", b"\xef\xbb\xbf"):
-        marks = mm.read_landmarks(written(tmp_path, name, mark + GOOD[name].encode()))
-        assert marks.points.tobytes() == POINTS.tobytes()
-        assert marks.names == NAMES.get(name, ["1", "2"])
+        landmarks = mm.read_landmarks(written(tmp_path, name, mark + GOOD[name].encode()))
+        assert landmarks.points.tobytes() == POINTS.tobytes()
+        assert landmarks.names == NAMES.get(name, ["1", "2"])
 
 
-def test_systems_that_files_name_are_converted_and_others_taken_as_they_are(tmp_path):
+def test_recorded_coordinate_systems_are_converted_and_others_are_not(tmp_path):
     for name, text in GOOD.items():
         path = written(tmp_path, name, text)
         wanted = POINTS * [-1, -1, 1] if name.startswith("F") else POINTS
@@ -83,7 +83,7 @@ def test_systems_that_files_name_are_converted_and_others_taken_as_they_are(tmp_
     np.testing.assert_array_equal(mm.read_landmarks(written(tmp_path, "F.fcsv", old)).points, POINTS * [-1, -1, 1])
 
 
-def test_missing_landmarks_keep_their_places(tmp_path):
+def test_missing_landmarks_keep_their_rank(tmp_path):
     files = {
         "F.mrk.json": json.dumps(MARKUPS).replace(
             '{"label": "F-1",', '{"label": "F-1", "positionStatus": "undefined",'
@@ -105,27 +105,29 @@ def test_specimens_are_chosen(tmp_path):
     path = written(tmp_path, "two.tps", text)
     for choice, size in (("a", 2), (0, 2), ("0", 2), ("1", 1), (1, 1)):
         np.testing.assert_array_equal(mm.read_landmarks(path, choice).points, size * POINTS)
-    with pytest.raises(SettingsError, match=r"holds 2 specimens \(0 a, 1 1\); choose one"):
+    with pytest.raises(
+        SettingsError, match=r"holds 2 specimens \(0 a, 1 1\); choose one by name or number with `specimen`"
+    ):
         mm.read_landmarks(path)
     for choice in ("b", 2, -1):
-        with pytest.raises(SettingsError, match=f"no specimen is called {choice!r}; there are 0 a, 1 1"):
+        with pytest.raises(SettingsError, match=f"no specimen matches `specimen` {choice!r}; there are 0 a, 1 1"):
             mm.read_landmarks(path, choice)
     twice = written(tmp_path, "same.tps", 2 * GOOD["one.tps"].replace("ID=0", "ID=x"))
-    with pytest.raises(SettingsError, match="several specimens are called 'x'"):
+    with pytest.raises(SettingsError, match="several specimens match `specimen` 'x'"):
         mm.read_landmarks(twice, "x")
 
 
 def test_vertex_numbers_of_a_table(tmp_path):
-    marks = mm.read_landmarks(written(tmp_path, "v.csv", "name,vertex\nnose,12\ntail,0\n"))
-    assert (marks.names, marks.vertices.tolist(), marks.points) == (["nose", "tail"], [12, 0], None)
+    landmarks = mm.read_landmarks(written(tmp_path, "v.csv", "name,vertex\nnose,12\ntail,0\n"))
+    assert (landmarks.names, landmarks.vertices.tolist(), landmarks.points) == (["nose", "tail"], [12, 0], None)
 
 
 def test_names_in_latin_1_are_read_in_every_text_format(tmp_path):
     for name in ("F.mrk.json", "F.fcsv", "one.pts", "one.csv"):
         old = NAMES[name][0]
-        marks = mm.read_landmarks(written(tmp_path, name, GOOD[name].replace(old, "N\xe4se").encode("latin-1")))
-        assert marks.names[0] == "N\xe4se"
-        assert marks.points.tobytes() == POINTS.tobytes()
+        landmarks = mm.read_landmarks(written(tmp_path, name, GOOD[name].replace(old, "N\xe4se").encode("latin-1")))
+        assert landmarks.names[0] == "N\xe4se"
+        assert landmarks.points.tobytes() == POINTS.tobytes()
 
 
 def markups(change):
@@ -150,8 +152,8 @@ BAD = [
     ("a.fcsv", GOOD["F.fcsv"] + "2,3\n", "line 6: 2 columns, and x, y and z are not among them"),
     ("a.fcsv", "# only comments\n", "holds no landmarks"),
     ("a.tps", "LM=2\n1 2\n3 4\nID=0\n", "line 1: landmarks with two coordinates"),
-    ("a.tps", "LM3=2\n1 2 3\nID=0\n", "line 3: LM3=2 of line 1 is followed by 1 rows only"),
-    ("a.tps", "LM3=2\n1 2 3\n", "LM3=2 of line 1 is followed by 1 rows only"),
+    ("a.tps", "LM3=2\n1 2 3\nID=0\n", "line 3: LM3=2 of line 1 is followed by only 1 rows"),
+    ("a.tps", "LM3=2\n1 2 3\n", "LM3=2 of line 1 is followed by only 1 rows"),
     ("a.tps", "LM3=2\n1 2 3\n4 5\nID=0\n", "line 3: 2 numbers where x, y and z are needed"),
     ("a.tps", "LM3=1\n1 2 3\n4 5 6\n", "line 3: a field such as LM3= or ID= is needed here"),
     ("a.tps", "LM3=1\n1 2 3,5\n", "line 2: '3,5' is not a number"),
@@ -168,7 +170,7 @@ BAD = [
     (
         "a.morphologika",
         GOOD["one.morphologika"].replace("\n2\n", "\n3\n"),
-        "2 rows of points, where 1 individuals",
+        "2 rows of points; 1 individuals with 3 need 3",
     ),
     ("a.morphologika", GOOD["one.morphologika"].replace("0.1 0.2", "0.1"), "line 17: 2 numbers where"),
     ("a.morphologika", GOOD["one.morphologika"].replace("Ab 1", "a\nb"), "line 9: 2 names for 1 individuals"),
@@ -187,16 +189,16 @@ BAD = [
     ("a.csv", "x,y,z\n1,2\n", "line 2 has 2 columns"),
     ("a.csv", "x,y,z\n", "holds no landmarks"),
     ("a.csv", "x,y,z\n1,2,3\n1,2,inf\n", "line 3 has a coordinate that is not a finite number"),
-    ("a.csv", "name,vertex\na,3\nb,3.5\n", "line 3: '3.5' is not a number of a vertex"),
-    ("a.csv", f"vertex\n{'9' * 20}\n", "line 2: '99999999999999999999' is not a number of a vertex"),
-    ("a.npz", "PK", "not an .npz file of mobius convert"),
+    ("a.csv", "name,vertex\na,3\nb,3.5\n", "line 3: '3.5' is not a vertex number"),
+    ("a.csv", f"vertex\n{'9' * 20}\n", "line 2: '99999999999999999999' is not a vertex number"),
+    ("a.npz", "PK", "not an .npz file of exported matches"),
     ("a.pts", "", "the file is empty"),
     ("a.stl", "solid", "unknown ending; landmarks are read from .csv, .mrk.json"),
 ]
 
 
 @pytest.mark.parametrize(("name", "text", "message"), BAD)
-def test_malformed_files_are_told_with_file_and_line(name, text, message, tmp_path):
+def test_errors_name_the_file_and_the_line(name, text, message, tmp_path):
     path = written(tmp_path, name, text)
     with pytest.raises(FormatError) as error:
         mm.read_landmarks(path)
@@ -223,7 +225,7 @@ HUGE = "999999999"
         ("a.morphologika", f"[individuals]\n{HUGE}\n[landmarks]\n{HUGE}\n[dimensions]\n3\n[rawpoints]\n1 2 3\n"),
     ],
 )
-def test_absurd_counts_set_nothing_aside(name, text, tmp_path):
+def test_wrong_counts_allocate_nothing(name, text, tmp_path):
     path = written(tmp_path, name, text)
     tracemalloc.start()
     with pytest.raises(FormatError):
@@ -236,7 +238,7 @@ def test_absurd_counts_set_nothing_aside(name, text, tmp_path):
 @pytest.mark.parametrize("name", [*GOOD, "both.csv", "both.tps"])
 @given(data=st.data())
 @settings(max_examples=60, suppress_health_check=[HealthCheck.function_scoped_fixture])
-def test_damaged_files_end_in_landmarks_or_in_the_projects_errors(name, data, tmp_path):
+def test_damaged_files_give_landmarks_or_the_packages_errors(name, data, tmp_path):
     both = {
         "both.csv": "name,source_x,source_y,source_z,target_x,target_y,target_z\n1,1,2,3,4,5,6\n",
         "both.tps": GOOD["one.tps"] * 2 + 'COMMENT=names ["a", "b"]\n',
@@ -263,16 +265,18 @@ def test_damaged_files_end_in_landmarks_or_in_the_projects_errors(name, data, tm
     middle = data.draw(st.sampled_from(chunks) | st.binary(max_size=6))
     path = written(tmp_path, name, good[:start] + middle + good[end:])
     try:
-        marks = mm.read_landmarks(path, data.draw(st.sampled_from([None, 0])))
+        landmarks = mm.read_landmarks(path, data.draw(st.sampled_from([None, 0])))
     except MobiusError as error:
         assert str(error)
     else:
-        assert len(marks.names) == len(marks)
-        assert marks.points is None or (marks.points.shape == (len(marks), 3) and not np.isinf(marks.points).any())
-        assert all(mark.isprintable() and mark for mark in marks.names)
+        assert len(landmarks.names) == len(landmarks)
+        assert landmarks.points is None or (
+            landmarks.points.shape == (len(landmarks), 3) and not np.isinf(landmarks.points).any()
+        )
+        assert all(mark.isprintable() and mark for mark in landmarks.names)
 
 
-@pytest.mark.parametrize("name", [name for name, one in FORMATS.items() if one.marks])
+@pytest.mark.parametrize("name", [name for name, form in FORMATS.items() if form.write_landmarks])
 @given(
     points=st.lists(
         st.tuples(*[st.floats(allow_nan=False, allow_infinity=False).filter(lambda x: abs(x) != 9999)] * 3),
@@ -283,6 +287,6 @@ def test_damaged_files_end_in_landmarks_or_in_the_projects_errors(name, data, tm
 @settings(max_examples=60, suppress_health_check=[HealthCheck.function_scoped_fixture])
 def test_every_float_reads_back_to_the_last_digit(name, points, tmp_path):
     array = np.array(points)
-    marks = Landmarks([str(i) for i in range(1, len(points) + 1)], None, array, "s")
-    path = written(tmp_path, f"a{FORMATS[name].endings[0]}", FORMATS[name].marks([marks], "", "LPS"))
+    landmarks = Landmarks([str(i) for i in range(1, len(points) + 1)], None, array, "s")
+    path = written(tmp_path, f"a{FORMATS[name].endings[0]}", FORMATS[name].write_landmarks([landmarks], "", "LPS"))
     assert mm.read_landmarks(path).points.tobytes() == array.tobytes()

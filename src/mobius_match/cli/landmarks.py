@@ -55,12 +55,12 @@ def landmarks(
     Each is moved to the nearest point of the surface first. Those without counterpart are left out.
     """
     from ..errors import NothingFoundError
-    from ..landmarks.formats import marks_writer, read_landmarks
+    from ..landmarks.formats import landmark_writer, read_landmarks
     from ..landmarks.slicer import check_system
 
     check_output("--output", output, [given, result])
     check_system(coordinate_system)
-    make = marks_writer(output)
+    make = landmark_writer(output)
     marks = read_landmarks(given, specimen, coordinate_system=coordinate_system)
     with Reporter(quiet, verbose) as reporter:
         import numpy as np

@@ -1,4 +1,4 @@
-"""Matches and dense maps for other programs, and pictures of them; docs/formats.md tells what each format holds."""
+"""Files of matches and dense maps for other programs (docs/formats.md), and pictures of them."""
 
 from .formats import FORMATS, export, outputs_of
 

@@ -1,4 +1,4 @@
-"""What is written of a match: its pairs as landmarks of both shapes, and its dense map."""
+"""The content of exported files: the matches as landmarks on both shapes, and the dense map."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ import numpy as np
 
 from .._core.display import one_line
 from ..errors import MeshError, NothingFoundError, SettingsError
-from ..landmarks.rows import SIDES
+from ..landmarks.csv_npz import SIDES
 from ..landmarks.tables import Landmarks
 from ..mesh import Mesh
 from ..results.correspondence import Correspondence
 from ..results.surface_map import SurfaceMap
-from .figures import mesh_of, numbered
+from .result_meshes import mesh_of, vertices_numbered
 
 DIRECTION = "source -> target"
 
@@ -28,14 +28,14 @@ class Content:
     Parameters
     ----------
     result
-        The matches; None where there is only a map.
+        The matches; None if only a map is exported.
     dense
-        The map, or None.
+        The dense map, or None.
 
     Raises
     ------
     MeshError
-        If the two are of different meshes.
+        If the two belong to different meshes.
     """
 
     result: Correspondence | None
@@ -47,9 +47,9 @@ class Content:
     def __post_init__(self) -> None:
         if self.result is None or self.dense is None:
             return
-        ours, theirs = (self.result.source_info, self.result.target_info), (self.dense.source, self.dense.target)
-        if any(info.get("sha256") != mesh.sha256 for info, mesh in zip(ours, theirs, strict=True)):
-            raise MeshError("the map is of other meshes than the result; make it with the result (--dense)")
+        infos, meshes = (self.result.source_info, self.result.target_info), (self.dense.source, self.dense.target)
+        if any(info.get("sha256") != mesh.sha256 for info, mesh in zip(infos, meshes, strict=True)):
+            raise MeshError("`dense` is a map between other meshes; export the map of this result")
 
     @property
     def matches(self) -> Correspondence:
@@ -58,17 +58,17 @@ class Content:
         Raises
         ------
         SettingsError
-            If there are none.
+            If only a map is exported.
         """
         if self.result is None:
-            raise SettingsError("a dense map holds no list of matches; give the result of mobius match -o")
+            raise SettingsError("this format holds matches, and `result` is a dense map; give the result of a match")
         return self.result
 
     @property
     def given(self) -> np.ndarray:
         """Which matches are landmarks that the user gave, (Q,) bool."""
-        found = self.matches.given
-        return np.zeros(len(self.matches), bool) if found is None else found
+        given = self.matches.given
+        return np.zeros(len(self.matches), bool) if given is None else given
 
     @property
     def map(self) -> SurfaceMap:
@@ -80,16 +80,16 @@ class Content:
             If there is none.
         """
         if self.dense is None:
-            raise SettingsError("this format holds a dense map: give it with --dense MAP.npz, of mobius match --dense")
+            raise SettingsError("this format holds a dense map; give one as `dense`")
         return self.dense
 
     @cached_property
     def meshes(self) -> tuple[Mesh, Mesh]:
-        """Both repaired meshes, read again if need be."""
+        """Both repaired meshes, read from their files if the result was loaded."""
         if self.result is None:
             return self.map.source, self.map.target
-        one = self.result
-        return mesh_of(one.source, one.source_info), mesh_of(one.target, one.target_info)
+        result = self.result
+        return mesh_of(result.source, result.source_info), mesh_of(result.target, result.target_info)
 
     @property
     def names(self) -> list[str]:
@@ -100,47 +100,52 @@ class Content:
         return [Path(str(info.get("path") or side)).name for info, side in zip(infos, SIDES, strict=True)]
 
     @cached_property
-    def marks(self) -> tuple[Landmarks, Landmarks]:
-        """The matches as landmarks of the source and of the target, named by their rank from 1."""
-        pairs, exact = self.matches.pairs, self.matches.target_points
-        points = [mesh.vertices[numbered(mesh, numbers)] for mesh, numbers in zip(self.meshes, pairs.T, strict=True)]
-        if exact is not None:
+    def landmarks(self) -> tuple[Landmarks, Landmarks]:
+        """The matches as landmarks on the source and on the target, named by their rank from 1."""
+        pairs, target_points = self.matches.pairs, self.matches.target_points
+        points = [
+            mesh.vertices[vertices_numbered(mesh, numbers)] for mesh, numbers in zip(self.meshes, pairs.T, strict=True)
+        ]
+        if target_points is not None:
             target = self.meshes[1]
-            corners = target.vertices[numbered(target, exact.corners.ravel())].reshape(-1, 3, 3)
-            points[1] = np.einsum("qk,qki->qi", exact.barycentric, corners)
+            corners = target.vertices[vertices_numbered(target, target_points.corners.ravel())].reshape(-1, 3, 3)
+            points[1] = np.einsum("qk,qki->qi", target_points.barycentric, corners)
         ranks = [str(i) for i in range(1, len(pairs) + 1)]
-        here, there = (
-            Landmarks(ranks, numbers, places, name)
-            for numbers, places, name in zip(pairs.T, points, self.names, strict=True)
+        on_source, on_target = (
+            Landmarks(ranks, numbers, positions, name)
+            for numbers, positions, name in zip(pairs.T, points, self.names, strict=True)
         )
-        return here, there
+        return on_source, on_target
 
     @property
     def comment(self) -> str:
-        """What a file says of itself where it can."""
+        """The comment in files whose format has comments."""
         return (
-            f"mobius-match; {DIRECTION}: number k of the one is number k of the other; "
+            f"mobius-match; {DIRECTION}: landmark k of the source corresponds to landmark k of the target; "
             "coordinates are those of the mesh files, vertices count from 0"
         )
 
 
-def confident(result: Correspondence, least: float) -> Correspondence:
-    """The matches of at least this confidence.
+def with_min_confidence(result: Correspondence, min_confidence: float) -> Correspondence:
+    """The matches with at least this confidence.
 
     Raises
     ------
     SettingsError
-        If it is out of range.
+        If ``min_confidence`` is not from 0 to 1.
     NothingFoundError
-        If there is none.
+        If no match is left.
     """
-    if not 0 <= least <= 1:
-        raise SettingsError(f"the least confidence is {least!r}; give a number from 0 to 1")
-    kept = np.flatnonzero(result.confidence >= least)
+    if not 0 <= min_confidence <= 1:
+        raise SettingsError(f"`min_confidence` is {min_confidence!r}; give a number from 0 to 1")
+    kept = np.flatnonzero(result.confidence >= min_confidence)
     if not len(kept):
         highest = result.confidence.max(initial=0.0)
-        raise NothingFoundError(f"no match has a confidence of {least} or more; the highest is {highest:.3f}")
-    some: dict[str, Any] = {name: getattr(result, name)[kept] for name in ("pairs", "confidence", "kind")}
+        raise NothingFoundError(
+            f"no match has a confidence of at least {min_confidence}; the highest is {highest:.3f}. Lower "
+            "`min_confidence`"
+        )
+    columns: dict[str, Any] = {name: getattr(result, name)[kept] for name in ("pairs", "confidence", "kind")}
     points = result.target_points
     given = None if result.given is None else result.given[kept]
-    return replace(result, **some, target_points=None if points is None else points[kept], given=given)
+    return replace(result, **columns, target_points=None if points is None else points[kept], given=given)

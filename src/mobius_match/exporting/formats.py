@@ -1,4 +1,4 @@
-"""The table of formats, and what users call: a match written in any of them."""
+"""The formats, and the function that writes a match in any of them."""
 
 from __future__ import annotations
 
@@ -10,51 +10,52 @@ from pathlib import Path
 
 from .._core.files import write_atomically
 from ..errors import SettingsError
-from ..landmarks.formats import LANDMARK_FORMATS, MarksWriter, ending_of
-from ..landmarks.rows import SIDES
+from ..landmarks.csv_npz import SIDES
+from ..landmarks.formats import LANDMARK_FORMATS, LandmarkWriter, ending_of
 from ..landmarks.slicer import check_system
 from ..results.correspondence import Correspondence
 from ..results.surface_map import SurfaceMap
-from .content import Content, confident
+from .content import Content, with_min_confidence
 from .meshes import write_mesh
 from .tables import write_csv, write_mat, write_npz, write_text
 
 
 @dataclass(frozen=True)
 class Format:
-    """How a match is written.
+    """How a format is written.
 
     Parameters
     ----------
     endings
-        Of files that are taken for it; the first is its own.
-    apart
-        Whether source and target are written to a file each.
-    marks
-        Writes landmarks, of one specimen or (where not ``apart``) of several, with a comment and their system.
-    whole
-        Writes a match, where that is more than landmarks.
-    mesh
-        Writes one side of a match.
+        Endings of file names; the first is the usual one.
+    single
+        Whether a file holds one shape, so that source and target are two files.
+    write_landmarks
+        Makes the content of a file from landmarks, of one specimen or (if not ``single``) of several, a comment, and
+        their coordinate system.
+    write_match
+        Makes the content of a file from a whole match, for formats that hold more than landmarks.
+    write_side
+        Makes the content of a file from a match and the side, 0 or 1.
     """
 
     endings: tuple[str, ...]
-    apart: bool = False
-    marks: MarksWriter | None = None
-    whole: Callable[[Content], bytes] | None = None
-    mesh: Callable[[Content, int], bytes] | None = None
+    single: bool = False
+    write_landmarks: LandmarkWriter | None = None
+    write_match: Callable[[Content], bytes] | None = None
+    write_side: Callable[[Content, int], bytes] | None = None
 
 
 FORMATS = {
-    **{name: Format(one.endings, one.apart, one.marks) for name, one in LANDMARK_FORMATS.items() if one.marks},
-    "ply": Format((".ply",), apart=True, mesh=partial(write_mesh, ending=".ply")),
-    "glb": Format((".glb",), apart=True, mesh=partial(write_mesh, ending=".glb")),
-    "npz": Format((".npz",), whole=write_npz),
-    "mat": Format((".mat",), whole=write_mat),
-    "text": Format((".txt",), whole=write_text),
+    **{name: Format(form.endings, form.single, form.write) for name, form in LANDMARK_FORMATS.items() if form.write},
+    "ply": Format((".ply",), single=True, write_side=partial(write_mesh, ending=".ply")),
+    "glb": Format((".glb",), single=True, write_side=partial(write_mesh, ending=".glb")),
+    "npz": Format((".npz",), write_match=write_npz),
+    "mat": Format((".mat",), write_match=write_mat),
+    "text": Format((".txt",), write_match=write_text),
 }
-FORMATS["csv"] = replace(FORMATS["csv"], whole=write_csv)
-"""By name."""
+"""Formats by name."""
+FORMATS["csv"] = replace(FORMATS["csv"], write_match=write_csv)
 
 
 def export(
@@ -67,62 +68,67 @@ def export(
     dense: SurfaceMap | None = None,
     coordinate_system: str = "LPS",
 ) -> list[Path]:
-    """Write matches, or a dense map, for other programs; docs/formats.md tells what each format holds.
+    """Write matches, or a dense map, for other programs; docs/formats.md describes the formats.
 
     Parameters
     ----------
     result
-        A result of :func:`mobius_match.match`, or a dense map alone. The meshes of a loaded result are read again.
+        A result of :func:`mobius_match.match`, or a dense map alone. The meshes of a loaded result are read from their
+        files.
     path
         Where to write. Formats that hold one shape write two files, with ``-source`` and ``-target`` in their names.
     format
-        One of ``csv, slicer, fcsv, tps, morphologika, pts, pp, ply, glb, npz, mat, text``; by default as the name ends.
+        One of ``csv, slicer, fcsv, tps, morphologika, pts, pp, ply, glb, npz, mat, text``; by default the ending of
+        ``path`` determines it.
     side
-        ``"source"`` or ``"target"``: only this shape, to just this path.
+        ``"source"`` or ``"target"`` to write only this shape, to ``path`` itself.
     min_confidence
-        Matches of less are left out.
+        Matches with a lower confidence are omitted.
     dense
-        The dense map, for formats that hold one, and to carry the colours of meshes.
+        The dense map, for formats that hold one, and to transfer colours between the meshes.
     coordinate_system
-        ``"LPS"`` or ``"RAS"``: what the meshes' coordinates are, for the formats that say so. Nothing is converted.
+        ``"LPS"`` or ``"RAS"``, the coordinate system of the meshes, for the formats that record it. Coordinates are
+        not converted.
 
     Returns
     -------
     list of Path
-        The files that were written, each as a whole or not at all.
+        The written files. Each appears as a whole or not at all.
 
     Raises
     ------
     SettingsError
-        For an unknown format or ending, or what the format cannot hold.
+        For an unknown format or ending, or for what the format cannot hold.
     NothingFoundError
-        If no match is confident enough.
+        If no match has the minimum confidence.
     MeshError
-        If a mesh is missing or has changed since the match.
+        If a mesh is missing or has changed since the match, or ``dense`` belongs to other meshes.
     """
     path = Path(path)
-    chosen = _chosen(path, format)
+    form = _format_of(path, format)
     check_system(coordinate_system)
     if side is not None:
         _check_choice("side", side, SIDES)
     if isinstance(result, SurfaceMap):
         content = Content(None, dense or result)
     else:
-        content = Content(confident(result, min_confidence), dense)
-    those = range(2) if side is None else [SIDES.index(side)]
-    if chosen.whole is not None and side is None:
-        files = {path: chosen.whole(content)}
-    elif chosen.mesh is not None:
-        files = {name: chosen.mesh(content, k) for name, k in zip(outputs_of(path, format, side), those, strict=True)}
-    elif chosen.marks is not None:
-        names = outputs_of(path, format, side)
-        groups = [[content.marks[k]] for k in those] if chosen.apart else [[content.marks[k] for k in those]]
+        content = Content(with_min_confidence(result, min_confidence), dense)
+    sides = range(2) if side is None else [SIDES.index(side)]
+    if form.write_match is not None and side is None:
+        files = {path: form.write_match(content)}
+    elif form.write_side is not None:
         files = {
-            name: chosen.marks(marks, content.comment, coordinate_system)
-            for name, marks in zip(names, groups, strict=True)
+            name: form.write_side(content, k) for name, k in zip(outputs_of(path, format, side), sides, strict=True)
+        }
+    elif form.write_landmarks is not None:
+        landmarks = [content.landmarks[k] for k in sides]
+        specimens = [[of_side] for of_side in landmarks] if form.single else [landmarks]
+        files = {
+            name: form.write_landmarks(of_file, content.comment, coordinate_system)
+            for name, of_file in zip(outputs_of(path, format, side), specimens, strict=True)
         }
     else:
-        raise SettingsError(f"{path}: this format holds both shapes together; leave the side out")
+        raise SettingsError(f"{path}: this format holds both shapes together; it cannot be written with `side`")
     for name, data in files.items():
         write_atomically(name, data)
     return list(files)
@@ -134,28 +140,28 @@ def endings() -> list[str]:
 
 
 def outputs_of(path: Path, format: str | None, side: str | None) -> list[Path]:
-    """The names of the files that :func:`export` would write."""
-    chosen = _chosen(path, format)
-    return [_beside(path, chosen, one) for one in SIDES] if chosen.apart and side is None else [path]
+    """The files that :func:`export` would write."""
+    form = _format_of(path, format)
+    return [_path_of_side(path, form, of_side) for of_side in SIDES] if form.single and side is None else [path]
 
 
-def _chosen(path: Path, name: str | None) -> Format:
+def _format_of(path: Path, name: str | None) -> Format:
     if name is not None:
-        _check_choice("the format", name, FORMATS)
+        _check_choice("format", name, FORMATS)
         return FORMATS[name]
-    known = {ending: one for one in FORMATS.values() for ending in one.endings}
+    known = {ending: form for form in FORMATS.values() for ending in form.endings}
     ending = ending_of(path, known)
     if not ending:
-        raise SettingsError(f"{path}: unknown ending; known are {', '.join(known)}. Or name the format (--format)")
+        raise SettingsError(f"{path}: unknown ending; known are {', '.join(known)}. Or choose the format with `format`")
     return known[ending]
 
 
-def _beside(path: Path, chosen: Format, side: str) -> Path:
-    ending = max((e for e in chosen.endings if path.name.lower().endswith(e)), key=len, default=path.suffix)
+def _path_of_side(path: Path, form: Format, side: str) -> Path:
+    ending = max((e for e in form.endings if path.name.lower().endswith(e)), key=len, default=path.suffix)
     stem = path.name[: len(path.name) - len(ending)]
     return path.with_name(f"{stem}-{side}{path.name[len(stem) :]}")
 
 
-def _check_choice(what: str, value: str, known: Sequence[str] | dict[str, Format]) -> None:
-    if value not in known:
-        raise SettingsError(f"{what} is {value!r}; choose one of {', '.join(known)}")
+def _check_choice(argument: str, value: str, choices: Sequence[str] | dict[str, Format]) -> None:
+    if value not in choices:
+        raise SettingsError(f"`{argument}` is {value!r}; choose one of {', '.join(choices)}")

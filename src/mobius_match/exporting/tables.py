@@ -8,23 +8,24 @@ import io
 import numpy as np
 
 from ..geometry.points import SurfacePoints
-from ..landmarks.rows import PLACES, SIDES
+from ..landmarks.csv_npz import COORDINATE_COLUMNS, SIDES
 from ..landmarks.text import plain
+from ..results.surface_map import SurfaceMap
 from .content import DIRECTION, Content
 
 
 def write_csv(content: Content) -> bytes:
-    """A row for each match; the headings tell the direction, the column ``index_base`` where vertices begin."""
-    matches, exact = content.matches, content.matches.target_points
-    heads = ["name", "source", "target", "confidence", "kind", "given", *PLACES, "index_base"]
-    columns = [content.marks[0].names, *matches.pairs.T.tolist(), map(repr, matches.confidence.tolist())]
+    """A row for each match; the column ``index_base`` holds the number of the first vertex."""
+    matches, points = content.matches, content.matches.target_points
+    heads = ["name", "source", "target", "confidence", "kind", "given", *COORDINATE_COLUMNS, "index_base"]
+    columns = [content.landmarks[0].names, *matches.pairs.T.tolist(), map(repr, matches.confidence.tolist())]
     columns += [matches.kind.tolist(), content.given.astype(int).tolist()]
-    columns += [map(repr, column) for marks in content.marks for column in marks.points.T.tolist()]
+    columns += [map(repr, column) for landmarks in content.landmarks for column in landmarks.points.T.tolist()]
     columns += [[0] * len(matches)]
-    if exact is not None:
+    if points is not None:
         heads += ["target_face", *(f"target_corner_{k}" for k in range(3)), *(f"target_weight_{k}" for k in range(3))]
-        columns += [exact.faces.tolist(), *exact.corners.T.tolist()]
-        columns += [map(repr, column) for column in exact.barycentric.T.tolist()]
+        columns += [points.faces.tolist(), *points.corners.T.tolist()]
+        columns += [map(repr, column) for column in points.barycentric.T.tolist()]
     out = io.StringIO()
     writer = csv.writer(out, lineterminator="\n")
     writer.writerow(heads)
@@ -33,37 +34,37 @@ def write_csv(content: Content) -> bytes:
 
 
 def arrays_of(content: Content, base: int) -> dict[str, np.ndarray]:
-    """All that there is, by name, with vertices and faces counting from ``base``; one less where there is none."""
-    found: dict[str, np.ndarray] = {"index_base": np.array(base), "direction": np.array(DIRECTION)}
+    """All arrays by name. Vertices and faces count from ``base``; ``base - 1`` is none."""
+    arrays: dict[str, np.ndarray] = {"index_base": np.array(base), "direction": np.array(DIRECTION)}
     for side, name in zip(SIDES, content.names, strict=True):
-        found[f"{side}_name"] = np.array(plain(name))
+        arrays[f"{side}_name"] = np.array(plain(name))
     if content.result is not None:
-        matches, exact = content.result, content.result.target_points
-        found |= {"source": matches.pairs[:, 0] + base, "target": matches.pairs[:, 1] + base}
-        found |= {"confidence": matches.confidence, "recovered": matches.kind == "recovered"}
-        found["given"] = content.given
-        found |= {f"{side}_points": marks.points for side, marks in zip(SIDES, content.marks, strict=True)}
-        if exact is not None:
-            found |= _points("target", exact, base)
+        matches = content.result
+        arrays |= {"source": matches.pairs[:, 0] + base, "target": matches.pairs[:, 1] + base}
+        arrays |= {"confidence": matches.confidence, "recovered": matches.kind == "recovered"}
+        arrays["given"] = content.given
+        arrays |= {f"{side}_points": landmarks.points for side, landmarks in zip(SIDES, content.landmarks, strict=True)}
+        if matches.target_points is not None:
+            arrays |= _point_arrays("target", matches.target_points, base)
     if content.dense is not None:
-        for side, onward in zip(SIDES, (content.dense, content.dense.inverse), strict=True):
-            here, there = onward.source, onward.target
-            found[f"dense_{side}_vertex"] = onward.vertex_map + base
-            rows = np.full(here.n_file_vertices, -1)
-            rows[here.vertex_ids[onward.source_mapped]] = np.flatnonzero(onward.source_mapped)
-            exact = onward.target_points
-            values = _points(
-                f"dense_{side}",
-                SurfacePoints(there.face_ids[exact.faces], there.vertex_ids[exact.corners], exact.barycentric)[rows],
-                base,
-            )
-            for name, array in values.items():
-                array[rows < 0] = 0 if array.dtype.kind == "f" else base - 1
-                found[name] = array
-    return found
+        for side, surface_map in zip(SIDES, (content.dense, content.dense.inverse), strict=True):
+            arrays |= _map_arrays(f"dense_{side}", surface_map, base)
+    return arrays
 
 
-def _points(prefix: str, points: SurfacePoints, base: int) -> dict[str, np.ndarray]:
+def _map_arrays(prefix: str, surface_map: SurfaceMap, base: int) -> dict[str, np.ndarray]:
+    """The image of each vertex of the source's file: the nearest vertex, and the exact point."""
+    source, target, points = surface_map.source, surface_map.target, surface_map.target_points
+    row = np.full(source.n_file_vertices, -1)
+    row[source.vertex_ids[surface_map.source_mapped]] = np.flatnonzero(surface_map.source_mapped)
+    in_file = SurfacePoints(target.face_ids[points.faces], target.vertex_ids[points.corners], points.barycentric)
+    arrays = _point_arrays(prefix, in_file[row], base)
+    for array in arrays.values():
+        array[row < 0] = 0 if array.dtype.kind == "f" else base - 1
+    return {f"{prefix}_vertex": surface_map.vertex_map + base, **arrays}
+
+
+def _point_arrays(prefix: str, points: SurfacePoints, base: int) -> dict[str, np.ndarray]:
     return {
         f"{prefix}_face": points.faces + base,
         f"{prefix}_corners": points.corners + base,
@@ -72,23 +73,25 @@ def _points(prefix: str, points: SurfacePoints, base: int) -> dict[str, np.ndarr
 
 
 def write_npz(content: Content) -> bytes:
-    """All of it as numpy's .npz, counting from 0."""
+    """All arrays as .npz, counting from 0."""
     buffer = io.BytesIO()
     np.savez(buffer, allow_pickle=False, **arrays_of(content, 0))
     return buffer.getvalue()
 
 
 def write_mat(content: Content) -> bytes:
-    """All of it for MATLAB (version 5 files), counting from 1 as MATLAB does."""
+    """All arrays for MATLAB (files of version 5), counting from 1 as MATLAB does."""
     from scipy.io import savemat
 
     buffer = io.BytesIO()
-    found = arrays_of(content, 1)
-    found = {name: array.astype(np.float64) if array.dtype.kind in "iu" else array for name, array in found.items()}
-    savemat(buffer, found, oned_as="column", do_compression=True)
-    # In place of the platform and the time, what the file holds; 116 bytes of text are for that.
-    said = f"MATLAB 5.0 MAT-file, mobius-match: {DIRECTION}, vertices and faces count from 1, 0 is none"
-    return said.encode().ljust(116)[:116] + buffer.getvalue()[116:]
+    arrays = {
+        name: array.astype(np.float64) if array.dtype.kind in "iu" else array
+        for name, array in arrays_of(content, 1).items()
+    }
+    savemat(buffer, arrays, oned_as="column", do_compression=True)
+    # The header has 116 bytes of text. SciPy writes platform and time there, which differ from run to run.
+    header = f"MATLAB 5.0 MAT-file, mobius-match: {DIRECTION}, vertices and faces count from 1, 0 is none"
+    return header.encode().ljust(116)[:116] + buffer.getvalue()[116:]
 
 
 def write_text(content: Content) -> bytes:

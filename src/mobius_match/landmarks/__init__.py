@@ -1,1 +1,1 @@
-"""Points that users know: their files, and what follows from them for a match."""
+"""Landmarks: their files, and the constraints that known pairs put on a match."""

@@ -1,4 +1,4 @@
-"""The formats of landmarks: read, and written, as a file's name ends."""
+"""The formats of landmark files, which are chosen by the ending of the file name."""
 
 from __future__ import annotations
 
@@ -11,68 +11,68 @@ import numpy as np
 
 from .._core.files import write_atomically
 from ..errors import FormatError, SettingsError
+from .csv_npz import read_csv, read_npz, write_csv_landmarks
 from .meshlab import read_pp, write_pp
 from .morphometrics import read_morphologika, read_pts, read_tps, write_morphologika, write_pts, write_tps
-from .rows import read_csv, read_npz, write_csv_marks
 from .slicer import check_system, read_fcsv, read_markups, write_fcsv, write_markups
 from .tables import Landmarks
 from .text import plain, read_text
 
-MarksWriter = Callable[[Sequence[Landmarks], str, str], bytes]
+LandmarkWriter = Callable[[Sequence[Landmarks], str, str], bytes]
 
 
 @dataclass(frozen=True)
 class LandmarkFormat:
-    """How landmarks are read and written.
+    """How a format is read and written.
 
     Parameters
     ----------
     endings
-        Of files that are taken for it; the first is its own.
+        Endings of file names; the first is the usual one.
     read
-        Reads the landmarks of all specimens, in a coordinate system.
-    marks
-        Writes landmarks, of one specimen or (where not ``apart``) of several, with a comment and their system; None
-        where only results are written so.
-    apart
-        Whether each specimen is written to a file of its own.
+        Reads the landmarks of all specimens from a path, in a coordinate system.
+    write
+        Makes the content of a file from landmarks, a comment and their coordinate system; None where landmarks alone
+        are not written in this format.
+    single
+        Whether a file holds one specimen only.
     """
 
     endings: tuple[str, ...]
     read: Callable[[Path, str], list[Landmarks]]
-    marks: MarksWriter | None = None
-    apart: bool = False
+    write: LandmarkWriter | None = None
+    single: bool = False
 
 
-def _read_txt(path: Path, wanted: str) -> list[Landmarks]:
+def _read_txt(path: Path, coordinate_system: str) -> list[Landmarks]:
     """Morphologika, or a table of coordinates."""
     first = next((row for row in map(str.strip, read_text(path).splitlines()) if row and row[0] not in "'\""), "")
-    return (read_morphologika if first.startswith("[") else read_csv)(path, wanted)
+    return (read_morphologika if first.startswith("[") else read_csv)(path, coordinate_system)
 
 
 LANDMARK_FORMATS = {
-    "csv": LandmarkFormat((".csv",), read_csv, write_csv_marks),
-    "slicer": LandmarkFormat((".mrk.json", ".json"), read_markups, write_markups, apart=True),
-    "fcsv": LandmarkFormat((".fcsv",), read_fcsv, write_fcsv, apart=True),
+    "csv": LandmarkFormat((".csv",), read_csv, write_csv_landmarks),
+    "slicer": LandmarkFormat((".mrk.json", ".json"), read_markups, write_markups, single=True),
+    "fcsv": LandmarkFormat((".fcsv",), read_fcsv, write_fcsv, single=True),
     "tps": LandmarkFormat((".tps",), read_tps, write_tps),
     "morphologika": LandmarkFormat((".morphologika",), read_morphologika, write_morphologika),
-    "pts": LandmarkFormat((".pts",), read_pts, write_pts, apart=True),
-    "pp": LandmarkFormat((".pp",), read_pp, write_pp, apart=True),
+    "pts": LandmarkFormat((".pts",), read_pts, write_pts, single=True),
+    "pp": LandmarkFormat((".pp",), read_pp, write_pp, single=True),
     "npz": LandmarkFormat((".npz",), read_npz),
     "text": LandmarkFormat((".txt",), _read_txt),
 }
 """By name."""
 
 
-def marks_writer(path: Path) -> MarksWriter:
-    """What makes the content of a file of landmarks: called with specimens, a comment, and their coordinate system.
+def landmark_writer(path: Path) -> LandmarkWriter:
+    """The function that makes the content of a landmark file, from specimens, a comment and their coordinate system.
 
     Raises
     ------
     SettingsError
-        If its name does not end as that of a format of landmarks.
+        If the ending of the name is not that of a format in which landmarks are written.
     """
-    known = {ending: one.marks for one in LANDMARK_FORMATS.values() if one.marks for ending in one.endings}
+    known = {ending: form.write for form in LANDMARK_FORMATS.values() if form.write for ending in form.endings}
     ending = ending_of(path, known)
     if not ending:
         raise SettingsError(f"{path}: unknown ending; landmarks are written as {', '.join(known)}")
@@ -104,7 +104,7 @@ def write_landmarks(
     """
     path = Path(path)
     check_system(coordinate_system)
-    write = marks_writer(path)
+    write = landmark_writer(path)
     if landmarks.points is None:
         raise SettingsError(f"{path}: the landmarks have vertex numbers but no points; add the positions")
     named = replace(landmarks, names=landmarks.names or [str(k) for k in range(1, len(landmarks) + 1)])
@@ -119,65 +119,70 @@ def read_landmarks(
     Parameters
     ----------
     path
-        A file; how its name ends tells the format.
+        A file; the ending of its name determines the format.
     specimen
-        Of a file with several: the name, or the number from 0. What was written of a match has the source and the
-        target.
+        Which specimen of a file with several: its name, or its number from 0. A file of matches has two, the source
+        and the target.
     coordinate_system
-        ``"LPS"`` or ``"RAS"``: what the coordinates are to be in. Files that say that theirs are of the other are
-        converted (x and y change sign); of all others they are taken as they are.
+        ``"LPS"`` or ``"RAS"``, the system of the returned coordinates. Files that record the other one are converted
+        (x and y change sign); files that record none are not changed.
 
     Returns
     -------
     Landmarks
-        ``names`` (list), ``points`` (k, 3) float64, NaN where a landmark is missing, and ``specimen``. From a CSV file
-        with a column ``vertex``, ``vertices`` (k,) counting from 0; without coordinates in it ``points`` is None.
+        ``names`` (list), ``points`` (k, 3) float64 in the units of the file, NaN where a landmark is missing, and
+        ``specimen``. From a CSV file with a column ``vertex``, also ``vertices`` (k,) counting from 0; ``points`` is
+        None if it has no coordinates.
 
     Raises
     ------
     FormatError
-        If the file is none of these or malformed; the message names the line.
+        If the format is unknown or the file malformed; the message names the line.
     SettingsError
-        If there are several specimens and none was chosen, or none is called so.
+        If the file has several specimens and ``specimen`` names none or more than one of them.
     """
     path = Path(path)
-    found = read_specimens(path, coordinate_system)
-    listed = ", ".join(f"{number} {one.specimen}".strip() for number, one in enumerate(found))
+    specimens = read_specimens(path, coordinate_system)
+    listed = ", ".join(f"{number} {landmarks.specimen}".strip() for number, landmarks in enumerate(specimens))
     if specimen is None:
-        if len(found) == 1:
-            return found[0]
-        raise SettingsError(f"{path}: holds {len(found)} specimens ({listed}); choose one by name or number")
-    named = [one for number, one in enumerate(found) if specimen in (number, str(number), one.specimen)]
-    exact = [one for one in named if one.specimen == specimen] or named
-    if len(exact) != 1:
-        many = "several specimens are" if exact else "no specimen is"
-        raise SettingsError(f"{path}: {many} called {specimen!r}; there are {listed}")
-    return exact[0]
+        if len(specimens) == 1:
+            return specimens[0]
+        raise SettingsError(
+            f"{path}: holds {len(specimens)} specimens ({listed}); choose one by name or number with `specimen`"
+        )
+    chosen = [
+        landmarks for number, landmarks in enumerate(specimens) if specimen in (number, str(number), landmarks.specimen)
+    ]
+    chosen = [landmarks for landmarks in chosen if landmarks.specimen == specimen] or chosen
+    if len(chosen) != 1:
+        matching = "several specimens match" if chosen else "no specimen matches"
+        raise SettingsError(f"{path}: {matching} `specimen` {specimen!r}; there are {listed}")
+    return chosen[0]
 
 
 def read_specimens(path: Path, coordinate_system: str = "LPS") -> list[Landmarks]:
-    """All that :func:`read_landmarks` can choose from."""
+    """The landmarks of all specimens of a file; see :func:`read_landmarks`."""
     check_system(coordinate_system)
-    known = {ending: one.read for one in LANDMARK_FORMATS.values() for ending in one.endings}
+    known = {ending: form.read for form in LANDMARK_FORMATS.values() for ending in form.endings}
     ending = ending_of(path, known)
     if not ending:
         raise FormatError(f"{path}: unknown ending; landmarks are read from {', '.join(known)}")
-    found = [one for one in known[ending](path, coordinate_system) if len(one)]
-    if not found:
+    specimens = [landmarks for landmarks in known[ending](path, coordinate_system) if len(landmarks)]
+    if not specimens:
         raise FormatError(f"{path}: holds no landmarks")
-    for one in found:
-        if one.points is not None and np.isinf(one.points).any():
+    for landmarks in specimens:
+        if landmarks.points is not None and np.isinf(landmarks.points).any():
             raise FormatError(f"{path}: has a coordinate that is not a finite number")
     return [
         replace(
-            one,
-            names=[plain(name) or str(k) for k, name in enumerate(one.names or [""] * len(one), 1)],
-            specimen=plain(one.specimen),
+            landmarks,
+            names=[plain(name) or str(k) for k, name in enumerate(landmarks.names or [""] * len(landmarks), 1)],
+            specimen=plain(landmarks.specimen),
         )
-        for one in found
+        for landmarks in specimens
     ]
 
 
 def ending_of(path: Path, known: Collection[str]) -> str:
-    """The longest known ending that the name has, or nothing."""
+    """The longest known ending that the name has, or an empty text."""
     return max((ending for ending in known if path.name.lower().endswith(ending)), key=len, default="")

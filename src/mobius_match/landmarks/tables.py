@@ -1,4 +1,4 @@
-"""Numbers in text and numpy files: a row for each vertex or face, or landmarks and curves."""
+"""Tables of numbers in text and numpy files: a row for each vertex or face, or landmarks."""
 
 from __future__ import annotations
 
@@ -21,18 +21,18 @@ COLUMNS = ("name", "vertex", "x", "y", "z")
 
 @dataclass(frozen=True, eq=False)
 class Landmarks:
-    """Points on a surface; those that follow each other under one name are a curve.
+    """Points on a surface, of one specimen.
 
     Parameters
     ----------
     names
         A name for each, or an empty list.
     vertices
-        (q,) int64 vertex numbers, or None where there are points alone.
+        (q,) int64 vertex numbers, or None if only coordinates are known.
     points
-        (q, 3) float64 coordinates, NaN for a landmark that is missing, or None where there are vertex numbers alone.
+        (q, 3) float64 coordinates, NaN for a missing landmark, or None if only vertex numbers are known.
     specimen
-        Whose landmarks they are, where that is known.
+        Name of the specimen, if known.
     """
 
     names: list[str]
@@ -75,20 +75,20 @@ class Landmarks:
 
 
 def read_table(path: Path) -> dict[str, np.ndarray] | Landmarks:
-    """Read numbers.
+    """Read a table of numbers.
 
-    A text file has rows of numbers, separated by commas, semicolons or blanks, and maybe a line of headings. If these
-    name columns ``vertex`` or ``x, y, z``, the rows are landmarks, which may have a column ``name``.
+    A text file has rows of numbers, separated by commas, semicolons or blanks, and may begin with a line of headings.
+    If these name columns ``vertex`` or ``x, y, z``, the rows are landmarks, which may have a column ``name``.
 
     Returns
     -------
     dict or Landmarks
-        Arrays by name (for text files by the file's), each with a row for each vertex or face; or landmarks.
+        Arrays by name (that of the file for text files), each with a row for each vertex or face; or landmarks.
 
     Raises
     ------
     FormatError
-        If the file cannot be read as such; the message names the line.
+        If the file is malformed; the message names the line.
     """
     try:
         if path.suffix.lower() in ARRAYS:
@@ -99,10 +99,10 @@ def read_table(path: Path) -> dict[str, np.ndarray] | Landmarks:
                 return dict(loaded)
         data = path.read_bytes()
     except (OSError, ValueError, EOFError, zipfile.BadZipFile) as error:
-        raise FormatError(f"{path}: cannot be read ({error}). Check the path, or write it again.") from error
+        raise FormatError(f"{path}: cannot be read ({error}). Check the path, or write the file again.") from error
     try:
         text = data.decode("utf-8-sig")
-    except UnicodeDecodeError:  # of names only; numbers are the same in both
+    except UnicodeDecodeError:  # concerns names only
         text = data.decode("latin-1")
     heads, rows = split_rows(path, text)
     if "vertex" in heads or {"x", "y", "z"} <= set(heads):
@@ -112,17 +112,20 @@ def read_table(path: Path) -> dict[str, np.ndarray] | Landmarks:
 
 
 def split_rows(path: Path, text: str) -> tuple[list[str], list[tuple[int, list[str]]]]:
-    """The headings of a table in lower case, none if its first row is of numbers, and its rows with their lines.
+    """The headings of a table in lower case, none if its first row has numbers only, and its rows with line numbers.
 
     Raises
     ------
     FormatError
-        If there is no row, or one has more or fewer columns than the first; the message names the line.
+        If there is no row, or one has another number of columns than the first; the message names the line.
     """
     lines = [(number, line) for number, line in enumerate(text.splitlines(), 1) if line.strip() and line[0] != "#"]
-    mark = next((mark for mark in ",;\t" if lines and mark in lines[0][1]), None)
+    delimiter = next((mark for mark in ",;\t" if lines and mark in lines[0][1]), None)
     try:
-        rows = [(n, line.split() if mark is None else next(csv.reader([line], delimiter=mark))) for n, line in lines]
+        rows = [
+            (n, line.split() if delimiter is None else next(csv.reader([line], delimiter=delimiter)))
+            for n, line in lines
+        ]
     except csv.Error as error:
         raise FormatError(f"{path}: not a table ({error}).") from error
     rows = [(number, [cell.strip() for cell in row]) for number, row in rows]
@@ -132,12 +135,12 @@ def split_rows(path: Path, text: str) -> tuple[list[str], list[tuple[int, list[s
     for number, row in rows:
         if len(row) != width:
             raise FormatError(f"{path}: line {number} has {len(row)} columns, and the first has {width}.")
-    heads = [cell.lower() for cell in rows[0][1]] if any(_number(cell) is None for cell in rows[0][1]) else []
+    heads = [cell.lower() for cell in rows[0][1]] if any(_parsed(cell) is None for cell in rows[0][1]) else []
     return heads, rows[1:] if heads else rows
 
 
 def as_landmarks(path: Path, arrays: dict[str, np.ndarray]) -> Landmarks | None:
-    """Rows without headings, taken for landmarks: a column of vertex numbers, or three of coordinates."""
+    """Rows without headings as landmarks: one column of vertex numbers, or three of coordinates; None if neither."""
     (table,) = arrays.values() if len(arrays) == 1 else (np.empty((0, 0)),)
     if table.ndim == 1 and len(table) and table.dtype.kind in "iu":
         return Landmarks([], table.astype(np.int64), None)
@@ -145,7 +148,7 @@ def as_landmarks(path: Path, arrays: dict[str, np.ndarray]) -> Landmarks | None:
 
 
 def text_of(values: np.ndarray) -> bytes:
-    """An array as CSV, a row for each of its own, in numbers that read back the same."""
+    """An array as CSV, a line for each row, with numbers that read back exactly."""
     rows = values.reshape(len(values), -1).tolist()
     return "".join(",".join(map(repr, row)) + "\n" for row in rows).encode()
 
@@ -162,35 +165,35 @@ def _landmarks(path: Path, heads: list[str], rows: list[tuple[int, list[str]]]) 
         column = numbers(path, rows, [heads.index("vertex")])[:, 0]
         if column.dtype.kind != "i":
             cells = [(line, row[heads.index("vertex")]) for line, row in rows]
-            line, cell = next(one for one in cells if not _whole(one[1]))
-            raise FormatError(f"{path}: line {line}: {cell[:40]!r} is not a number of a vertex, which is whole.")
+            line, cell = next((line, cell) for line, cell in cells if not _is_integer(cell))
+            raise FormatError(f"{path}: line {line}: {cell[:40]!r} is not a vertex number, which is an integer.")
         vertices = column
     return Landmarks(names, vertices, points)
 
 
 def numbers(path: Path, rows: list[tuple[int, list[str]]], columns: list[int] | range) -> np.ndarray:
-    """The numbers in some columns (rows, columns): int64 if all are whole and written so, else float64.
+    """The numbers in given columns, (rows, columns): int64 if all are written as integers, else float64.
 
     Raises
     ------
     FormatError
-        If a cell is no number; the message names the line.
+        If a cell is not a number; the message names the line.
     """
     for number, row in rows:
         for column in columns:
-            if _number(row[column]) is None:
+            if _parsed(row[column]) is None:
                 raise FormatError(f"{path}: line {number}: {row[column][:40]!r} is not a number.")
     cells = [[row[column] for column in columns] for _, row in rows]
-    if all(_whole(cell) for row in cells for cell in row):
+    if all(_is_integer(cell) for row in cells for cell in row):
         return np.array(cells, dtype=object).astype(np.int64).reshape(len(rows), len(columns))
     return np.array(cells, dtype=object).astype(np.float64).reshape(len(rows), len(columns))
 
 
-def _whole(cell: str) -> bool:
+def _is_integer(cell: str) -> bool:
     return re.fullmatch(r"[-+]?\d{1,18}", cell) is not None
 
 
-def _number(cell: str) -> float | None:
+def _parsed(cell: str) -> float | None:
     try:
         return float(cell)
     except ValueError:

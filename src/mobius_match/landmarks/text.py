@@ -1,4 +1,4 @@
-"""Text files of landmarks: read as lines, with one error for whatever is wrong in them."""
+"""Text files of landmarks: words, numbers, and errors that name the line."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from pathlib import Path
 from ..errors import FormatError
 
 MISSING = (math.nan,) * 3
-"""Coordinates of a landmark that a file names and does not place."""
+"""Coordinates of a landmark that a file lists as missing."""
 
 _NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d{1,5})?")
 _COUNT = re.compile(r"\d{1,9}")
@@ -35,15 +35,15 @@ def read_text(path: Path) -> str:
         return data.decode("latin-1")
 
 
-def wrong(path: Path, line: int, reason: str) -> FormatError:
-    """What is wrong, and where."""
+def error_at(path: Path, line: int, reason: str) -> FormatError:
+    """The error for a line of a file."""
     return FormatError(f"{path}, line {line}: {reason}")
 
 
 def coordinates(path: Path, line: int, words: list[str]) -> tuple[float, ...]:
-    """Three numbers; ``NA`` for each stands for a missing landmark."""
+    """Three numbers; all three ``NA`` for a missing landmark."""
     if len(words) != 3:
-        raise wrong(path, line, f"{len(words)} numbers where x, y and z are needed")
+        raise error_at(path, line, f"{len(words)} numbers where x, y and z are needed")
     if all(word.upper() in ("NA", "NAN") for word in words):
         return MISSING
     return tuple(number(path, line, word) for word in words)
@@ -53,22 +53,22 @@ def number(path: Path, line: int, word: str) -> float:
     """A finite number."""
     value = float(word) if _NUMBER.fullmatch(word) else math.nan
     if not math.isfinite(value):
-        raise wrong(path, line, f"{word[:40]!r} is not a number, or too large for one")
+        raise error_at(path, line, f"{word[:40]!r} is not a number, or too large for one")
     return value
 
 
 def count(path: Path, line: int, word: str, what: str) -> int:
-    """A whole number from 0 to a thousand million: a claim, nothing is set aside for it."""
+    """An integer from 0 to 999,999,999. Nothing is allocated for it, as the file may be wrong."""
     if not _COUNT.fullmatch(word):
-        raise wrong(path, line, f"{word[:40]!r} is not a number of {what}")
+        raise error_at(path, line, f"{word[:40]!r} is not a number of {what}")
     return int(word)
 
 
 def plain(text: str) -> str:
-    """A name or comment on one line, without characters that end a line or that no text shows."""
+    """A name or comment on one line, without control characters."""
     return " ".join("".join(c if c.isprintable() else " " for c in text).split())
 
 
 def one_word(text: str) -> str:
-    """A name without blanks."""
+    """A name with underscores for blanks."""
     return plain(text).replace(" ", "_") or "_"

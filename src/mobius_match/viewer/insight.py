@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from scipy.spatial import cKDTree
 
-from ..exporting.figures import numbered
+from ..exporting.result_meshes import vertices_numbered
 from ..voting.assignment import max_row_column, normalized
 from ..voting.kernel import mutual_pairs
 from ..voting.mobius import CANONICAL_TRIANGLE, apply, from_three_points, homogeneous
@@ -83,7 +83,7 @@ def insight(source: Surface, target: Surface, votes: Votes, pairs: np.ndarray) -
 def _agreeing(explained: np.ndarray, target: Surface, numbers: np.ndarray, pairs: np.ndarray) -> int:
     """Which triplet pairs most samples (B, N1) with a target sample near the match that was found."""
     whole = target.whole_mesh
-    places = whole.vertices[numbered(whole, pairs[:, 1])]
+    places = whole.vertices[vertices_numbered(whole, pairs[:, 1])]
     nearest = cKDTree(target.mesh.vertices[target.samples]).query(places)[1]
     goal = np.full(explained.shape[1], -1)
     sample, match = np.nonzero(numbers[:, None] == pairs[:, 0])

@@ -12,7 +12,8 @@ from scipy.spatial import cKDTree
 
 from ..errors import MeshError, MobiusError
 from ..evaluation.quality import quality
-from ..exporting.figures import colours_of, numbered
+from ..exporting.result_meshes import vertices_numbered
+from ..exporting.scene import colours_of
 from ..mesh.appearance import Appearance, read_appearance
 from ..results.surface_map import SurfaceMap
 from ..transfer.morph import interpolate, positions_on_target
@@ -172,6 +173,6 @@ def _add_morph(
     content["morph"] = packing.quantised(shapes) | {"frames": FRAMES}
     tree = cKDTree(start)
     for shown, one in zip(content["explanations"], explanations, strict=True):
-        places = source.vertices[numbered(source.mesh, one.pairs[:, 0])]
+        places = source.vertices[vertices_numbered(source.mesh, one.pairs[:, 0])]
         near = tree.query(places)[1] if len(places) else np.empty(0, int)
         shown["moved"] = packing.packed(shapes[:, near] + (places - start[near]), "<f4")

@@ -9,8 +9,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .._core.display import one_line
-from ..exporting.figures import ELEVATION, RADIUS, best_azimuth, colours_of, mesh_of, numbered, shape_of
+from ..exporting.figures import RADIUS
 from ..exporting.rendering import Shape
+from ..exporting.result_meshes import mesh_of, vertices_numbered
+from ..exporting.scene import ELEVATION, best_azimuth, colours_of, shape_of
 from ..surface.simplified import simplified
 from . import packing
 
@@ -122,10 +124,13 @@ def _side(side: Side, name: str) -> dict[str, Any]:
 
 def _explanation(matches: Correspondence | Alternative, name: str, note: str, sides: list[Side]) -> dict[str, Any]:
     """Where the matches are on both sides, and their colours, those of :func:`mobius_match.figures.draw_matches`."""
-    ends = [side.vertices[numbered(side.mesh, numbers)] for side, numbers in zip(sides, matches.pairs.T, strict=True)]
+    ends = [
+        side.vertices[vertices_numbered(side.mesh, numbers)]
+        for side, numbers in zip(sides, matches.pairs.T, strict=True)
+    ]
     exact = matches.target_points
     if exact is not None:
-        corners = numbered(sides[1].mesh, exact.corners.ravel()).reshape(-1, 3)
+        corners = vertices_numbered(sides[1].mesh, exact.corners.ravel()).reshape(-1, 3)
         ends[1] = np.einsum("qk,qki->qi", exact.barycentric, sides[1].vertices[corners])
     return {
         "name": name,
