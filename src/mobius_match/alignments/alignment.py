@@ -131,5 +131,5 @@ def register_iteratively(
     best = registrations[-1] if alignment.shapes_differ else cheapest(source, target, registrations, parameters)
     positions = np.stack([best.positions, *(one.positions for one in registrations[-selection.averaged :])])
     distances = np.linalg.norm(positions - best.positions, axis=2)
-    near = distances <= selection.averaging_radius * np.sqrt(target.area)
+    near = distances <= selection.averaging_radius * target.scale
     return replace(best, positions=np.einsum("kp,kpd->pd", near, positions) / near.sum(axis=0)[:, None])

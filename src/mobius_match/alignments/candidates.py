@@ -123,7 +123,7 @@ def distinct_alignments(target: Surface, alignments: list[Alignment], radius: fl
 
     The radius is per sqrt(area) of the target.
     """
-    places, kept = target.mesh.vertices / np.sqrt(target.area), list[Alignment]()
+    places, kept = target.mesh.vertices / target.scale, list[Alignment]()
     for one in sorted(alignments, key=by_cost):
         distances = [np.linalg.norm(places[one.image] - places[other.image], axis=1).mean() for other in kept]
         nearest = int(np.argmin(distances)) if kept else 0

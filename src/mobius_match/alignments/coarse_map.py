@@ -76,7 +76,7 @@ def _plan_by_distances(
         distances = surface.proxy_distances[matches[:, side]]
         if constraints is not None:
             distances = np.concatenate([distances, constraints.distances[side][:, surface.proxy]])
-        features.append(np.exp(-distances.T[::step] / (parameters.match_radius * np.sqrt(surface.area))))
+        features.append(np.exp(-distances.T[::step] / (parameters.match_radius * surface.scale)))
     return _between(features[0], features[1], parameters, step).plan
 
 

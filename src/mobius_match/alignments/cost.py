@@ -25,8 +25,8 @@ def cost_terms(
     """
     points, images = source.proxy[::step], target.proxy[image]
     # Distances are known from samples only: a sample stands for the point nearest to it, another one for its image.
-    here = source.proxy_distances[:, ::step] / np.sqrt(source.area)
-    there = target.proxy_distances / np.sqrt(target.area)
+    here = source.proxy_distances[:, ::step] / source.scale
+    there = target.proxy_distances / target.scale
     sample_images = there[:, image[here.argmin(axis=1)]].argmin(axis=0)
     ratios = np.log((here + parameters.softening) / (there[sample_images][:, image] + parameters.softening))
     count = parameters.eigenfunctions

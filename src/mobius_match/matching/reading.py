@@ -54,7 +54,7 @@ def aligned_matches(
     distances = distances_to_images(source, target, registration)
     confidence = parameters.alignment.registration.confidence
     probability = factor * match_probabilities(source, target, registration, distances, confidence)
-    scale = np.sqrt(target.area)
+    scale = target.scale
     points = closest_points(
         target.mesh.vertices / scale, target.mesh.faces, registration.positions / scale, registration.image
     )

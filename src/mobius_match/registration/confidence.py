@@ -59,7 +59,7 @@ def confidence_terms(
 ) -> ConfidenceTerms[np.ndarray]:
     """The features (P1,) of each vertex of the proxy; see :func:`match_probabilities`."""
     # Distances from the places to the target's samples, and from the source's samples to where those come from.
-    here, there = _distances_to_origins(source, target, registration), distances / np.sqrt(target.area)
+    here, there = _distances_to_origins(source, target, registration), distances / target.scale
     weight = np.exp(-np.minimum(here, there) / parameters.sample_radius)
     disagreement = (weight * np.abs(here - there)).sum(axis=1) / weight.sum(axis=1)
     nearby = np.exp(-((source.proxy_geodesics / parameters.smoothing_radius) ** 2))
@@ -80,14 +80,14 @@ def stability(surface: Surface, places: np.ndarray, radius: float) -> np.ndarray
     translational part of slippage analysis (Gelfand and Guibas 2004). It is 0 where a copy can slide on the surface, as
     in a plane or along a cylinder, and 1/3 at the end of a finger.
     """
-    vertices, faces = surface.mesh.vertices / np.sqrt(surface.area), surface.mesh.faces
+    vertices, faces = surface.mesh.vertices / surface.scale, surface.mesh.faces
     crosses = cross_products(vertices, faces)
     sizes = np.maximum(np.linalg.norm(crosses, axis=1, keepdims=True), np.finfo(float).tiny)
     of_faces = (crosses[:, :, None] * crosses[:, None] / sizes[:, None]).reshape(-1, 9)
     # A face counts at the vertices of the proxy that are nearest to its corners.
     corners, size = surface.nearest_proxy[faces].ravel(), len(surface.proxy)
     sums = np.stack([np.bincount(corners, np.repeat(entry, 3), size) for entry in of_faces.T], axis=1)
-    near = squared_distances(places / np.sqrt(surface.area), vertices[surface.proxy]) <= radius**2
+    near = squared_distances(places / surface.scale, vertices[surface.proxy]) <= radius**2
     means = (near.astype(float) @ sums).reshape(-1, 3, 3)
     traces = np.maximum(np.trace(means, axis1=1, axis2=2), np.finfo(float).tiny)
     return np.asarray(np.linalg.eigvalsh(means / traces[:, None, None])[:, 0])
@@ -104,4 +104,4 @@ def _distances_to_origins(source: Surface, target: Surface, registration: Regist
     """Distances (N1, N2) per sqrt(area) of the source's samples from the preimages of the target's samples."""
     images = target.mesh.vertices[registration.image]
     distances = interpolate_nearby(images, target.mesh.vertices[target.samples], source.proxy_distances)
-    return distances / np.sqrt(source.area)
+    return distances / source.scale
