@@ -57,9 +57,9 @@ def samples(result):
 
 def planes(result):
     """Sections 5 and 6: a flattened surface, and both after the Möbius maps of one triplet."""
-    carrier = Transfer(result.dense())
-    colours = colours_of(carrier.source.vertices)
-    carried = carrier.values(colours)
+    transfer = Transfer(result.dense())
+    colours = colours_of(transfer.source.vertices)
+    carried = transfer.values(colours)
     triplets = result.votes.best_source[0], result.votes.best_target[0]
     figure, row = plt.subplots(1, 3, figsize=(11, 4), layout="constrained")
     for k, (surface, paint) in enumerate(((result.source, colours), (result.target, carried))):
