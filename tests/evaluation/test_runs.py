@@ -187,7 +187,7 @@ def test_bad_pairs_fail_alone_and_are_tried_again(lumps, tmp_path):
     (data / "pairs.txt").write_text("lump3 lump1\nlump0 lump2\nlump2 lump3\n")
     found = run(find_dataset(data), out, scoring="heat", jobs=1, **QUICK)
     assert [record["status"] for record in found.records] == ["failed", "failed", "done"]
-    for record, words in zip(found.records, ("lump1.off", "lump0.off: the list of corresponding points has vertex 642"), strict=False):
+    for record, words in zip(found.records, ("lump1.off", "lump0.off: the list of"), strict=False):
         assert words in record["error"]
         assert set(record) == {"name", "category", "source", "target", "status", "error"}
     again = run(find_dataset(data), out, scoring="heat", resume=True, jobs=1, **QUICK)
