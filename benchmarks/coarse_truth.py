@@ -21,7 +21,7 @@ from scipy.spatial import cKDTree
 import mobius_match as mm
 from mobius_match.evaluation import Case
 from mobius_match.evaluation.metrics import geodesic_distances
-from mobius_match.evaluation.scoring import Scorer, cached_diameter, mesh_area, places_of
+from mobius_match.evaluation.scoring import Scorer, cached_diameter, mesh_area, repaired_vertices
 from mobius_match.evaluation.summary import CLOSE, FEW, MANY
 from mobius_match.geometry.geodesics import edge_graph
 from mobius_match.geometry.rotations import nearest_rotations
@@ -67,7 +67,7 @@ def errors_of(case: Case, method: str) -> tuple[np.ndarray, np.ndarray, np.ndarr
     plain = scorer.score(result.pairs, result.confidence)["direct"]
     truth = scorer.truth
     known, first = np.unique(truth.source, return_index=True)
-    here, there = places_of(source, result.pairs[:, 0]), places_of(target, result.pairs[:, 1])
+    here, there = repaired_vertices(source, result.pairs[:, 0]), repaired_vertices(target, result.pairs[:, 1])
     places, apart = carried(source, target, known, truth.target[first], here)
     errors = geodesic_distances(target, there, places, method) / scorer.diameter
     return plain, errors, apart / cached_diameter(source, method)

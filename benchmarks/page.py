@@ -18,17 +18,17 @@ from mobius_match.evaluation import Run, find_dataset, run, summary, write_compa
 
 HEADING = """# Benchmark
 
-Errors of the sparse matches against known correspondence, in order of confidence: geodesic distance on the target from
-the match to the true point, per geodesic diameter of the target, the paper's measure. "Wrong" are pairs whose first 45
-matches have a mean error above 0.10. Where a set has 21 landmarks a shape, the error of a landmark is that of the match
-nearest to it on the source, and so includes the distance between the two; all other matches do not count there. Each
-pair weighs the same; pairs with fewer than 45 matches count with those they have.
+Errors of the sparse matches against known correspondence, in order of confidence: the geodesic distance on the target
+between the match and the true point, divided by the geodesic diameter of the target (the paper's measure). "Wrong" is the
+number of pairs with a mean error of the first 45 matches above 0.10. For sets with 21 landmarks per shape, each landmark
+is compared with the match nearest to it on the source, so the error includes the distance between the two; other matches
+are ignored. Each pair has the same weight. Pairs with fewer than 45 matches contribute all they have.
 
-The default's matches are the samples and the surest points between them, some 600; the first of them often lie
-together on a face or a hand.
+By default the matches are the samples and the most confident points between them, about 600 in total. The first of them
+often cluster on a face or a hand.
 
-The sets are published academic ones, remeshed to about 5,000 vertices (`tosca`, `tosca_nonisometric`, `faust`: every
-shape on its own) or as they are (`shrec07_fourleg`, `tosca_original`); they are not part of the project.
+The data sets are published academic ones, remeshed to about 5,000 vertices (`tosca`, `tosca_nonisometric`, `faust`; each
+shape independently) or as published (`shrec07_fourleg`, `tosca_original`). They are not part of the project.
 
 | set | pairs | settings | mean of first 15 | mean of first 45 | first 15 within 3 % | wrong | matches | within 5 % |
 |---|---|---|---|---|---|---|---|---|
@@ -75,7 +75,7 @@ def main() -> None:
             rows.append(row(found, folder.name, name))
             print(rows[-1], end="", flush=True)
         write_comparison(runs, options.runs / f"{folder.name}-compared")
-    votes = f" with {options.paper_votes:,} triplets a pair instead of ten million" if options.paper_votes else ""
+    votes = f" with {options.paper_votes:,} triplets per pair instead of ten million" if options.paper_votes else ""
     command = f"python benchmarks/page.py DATA --scoring {options.scoring}" + (
         f" --paper-votes {options.paper_votes}" if options.paper_votes else ""
     )
@@ -83,7 +83,7 @@ def main() -> None:
         HEADING
         + "".join(rows)
         + f"\n`paper` is `--preset paper`{votes}. Errors are measured with {options.scoring} geodesics.\n\n"
-        + f"Made by one command, which also writes a full report of each run:\n\n    {command}\n",
+        + f"This command makes the table, and a full report of each run:\n\n    {command}\n",
         encoding="utf-8",
     )
 

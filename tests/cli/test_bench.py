@@ -104,11 +104,11 @@ def test_maps_of_another_program(mobius, two, tmp_path):
 @pytest.mark.parametrize(
     ("options", "code", "words"),
     [
-        (["--maps", "."], 2, ["index_base"]),
-        (["--index-base", 1], 2, ["index_base"]),
-        (["--geodesics", "dijkstra"], 2, ["exact", "heat"]),
+        (["--maps", "."], 2, ["--index-base"]),
+        (["--index-base", 1], 2, ["--index-base"]),
+        (["--geodesics", "dijkstra"], 2, ["--geodesics is 'dijkstra'; choose one of exact, heat"]),
         (["--samples", 2], 2, ["samples"]),
-        (["--jobs", 0], 2, ["jobs"]),
+        (["--jobs", 0], 2, ["--jobs is 0"]),
         (["--preset", "best"], 2, ["preset"]),
         (["--config", "none.toml"], 2, ["none.toml"]),
         (["--pairs", "none.txt"], 3, ["none.txt"]),

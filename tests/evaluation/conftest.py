@@ -1,4 +1,4 @@
-"""A small data set: four bodies that are one, each numbered on its own."""
+"""A small data set: one shape four times, rotated and renumbered."""
 
 import numpy as np
 import pytest
@@ -11,7 +11,7 @@ QUICK = {"samples": 25, "votes": 4000}
 
 @pytest.fixture(scope="session")
 def lumps(tmp_path_factory):
-    """Folder with lump0.off to lump3.off and corres/; the mirrored lists are those of a shape turned about."""
+    """Folder with lump0.off to lump3.off and corres/; the mirrored lists are arbitrary other vertices."""
     folder = tmp_path_factory.mktemp("data") / "lumps"
     (folder / "corres").mkdir(parents=True)
     for number in range(4):

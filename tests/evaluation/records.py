@@ -1,4 +1,4 @@
-"""Runs made up for the tests of reports: the records that a run over pairs would leave."""
+"""Synthetic records of runs, for the tests of reports."""
 
 from __future__ import annotations
 
@@ -38,8 +38,8 @@ def record(name, category="cat", *, direct=(), mirrored=None, confidence=None, d
 
 def failed(name, message, category="cat"):
     """A pair that failed."""
-    made = record(name, category)
-    return {key: made[key] for key in ("name", "category", "source", "target")} | {"status": "failed", "error": message}
+    done = record(name, category)
+    return {key: done[key] for key in ("name", "category", "source", "target")} | {"status": "failed", "error": message}
 
 
 def run(records, folder="/secret/home/run", **info):
@@ -50,7 +50,7 @@ def run(records, folder="/secret/home/run", **info):
         "scoring": {"geodesics": "exact"},
         "maps": None,
         "software": {"mobius-match": "0.1.0"},
-        "cases": [one["name"] for one in records],
+        "cases": [pair["name"] for pair in records],
     }
     return SimpleNamespace(folder=Path(folder), info=described | info, records=list(records))
 

@@ -82,14 +82,14 @@ def test_what_became_better_or_worse_is_listed_worst_first(tmp_path, drawn):
 
 def test_numbers_and_curves_are_over_the_pairs_that_are_done_in_all(tmp_path, drawn):
     page, _ = compared([run(BEFORE, "one"), run(AFTER, "two")], tmp_path)
-    table = page.values("Against the truth: direct")
+    table = page.values("Against the ground truth: direct")
     means = {"one": (0.05 + 0.05 + 0.1) / 3, "two": (0.02 + 0.07 + 0.091) / 3}
     assert table["mean of the first 45, per diameter"] == {name: f"{value:.3f}" for name, value in means.items()}
     cumulative, first = drawn
     assert [line.label for line in cumulative["sparse, direct"]] == ["one", "two"]
     place = np.flatnonzero(np.isclose(THRESHOLDS, 0.1))[0]
     shares = [line.values[place] for line in cumulative["sparse, direct"]]
-    assert shares == pytest.approx([2 / 3, 1 / 3]), "0.1 of the root of the area is 0.0667 of the diameter"
+    assert shares == pytest.approx([2 / 3, 1 / 3]), "0.1 sqrt(area) is 0.0667 of the diameter"
     for line in first["direct"]:
         assert line.values[:50] == pytest.approx(np.full(50, means[line.label]))
         assert np.isnan(line.values[50:]).all()
@@ -117,13 +117,13 @@ def test_mirrored_pairs_and_dense_maps_are_compared_by_themselves(tmp_path, draw
     }
     change = next(float(row["change"]) for row in rows if row["measure"] == "dense_mean")
     assert change == pytest.approx(0.1 * 3 / 2), "per square root of the area"
-    assert page.values("Against the truth: mirrored")["mean of the first 45, per diameter"] == {
+    assert page.values("Against the ground truth: mirrored")["mean of the first 45, per diameter"] == {
         "x": "0.300",
         "y": "0.020",
     }
 
 
-def test_settings_that_differ_are_listed_and_other_scoring_is_said(tmp_path, drawn):
+def test_settings_that_differ_are_listed(tmp_path, drawn):
     runs = [
         run([flat("p-a", 0.02)], "x"),
         run(
@@ -135,7 +135,7 @@ def test_settings_that_differ_are_listed_and_other_scoring_is_said(tmp_path, dra
         "settings: samples": {"x": "100", "y": "50"},
         "scoring: geodesics": {"x": "exact", "y": "heat"},
     }
-    assert "scored with different geodesics" in page.text
+    assert "The runs measure errors with different geodesics" in page.text
 
 
 @pytest.mark.parametrize(
@@ -147,7 +147,7 @@ def test_settings_that_differ_are_listed_and_other_scoring_is_said(tmp_path, dra
         (["/a/run", "/a/run"], ["run (1)", "run (2)"]),
     ],
 )
-def test_names_of_runs_are_told_apart(folders, names):
+def test_names_of_runs_are_distinct(folders, names):
     assert run_names([Path(folder) for folder in folders]) == names
 
 

@@ -1,4 +1,4 @@
-"""Layouts of data sets, found by looking, and what is said where there is none."""
+"""Detection of the layouts of data sets, and the errors for malformed ones."""
 
 import numpy as np
 import pytest
@@ -112,7 +112,7 @@ def refused(path, *words, pairs=None, error=FormatError):
 
 
 def test_a_folder_of_no_known_layout(tmp_path):
-    refused(tmp_path, tmp_path, "manifest.csv", "corres/NAME.vts", "NAME.vts beside them", "equally many vertices")
+    refused(tmp_path, tmp_path, "manifest.csv", "corres/NAME.vts", "NAME.vts beside them", "equal numbers of vertices")
     meshes(tmp_path, "cat0", "dog0")  # nothing to pair
     refused(tmp_path, "corres/NAME.vts")
     refused(tmp_path / "none", "no such folder", tmp_path / "none")
@@ -207,10 +207,10 @@ def test_bad_manifest(tmp_path, content, words):
 
 def test_a_manifest_takes_no_other_pairs(tmp_path):
     (tmp_path / "manifest.csv").write_text("source\n")
-    refused(tmp_path, "--pairs", "manifest", pairs=tmp_path / "pairs.txt", error=SettingsError)
+    refused(tmp_path, "`pairs`", "manifest", pairs=tmp_path / "pairs.txt", error=SettingsError)
 
 
-def test_the_same_truth_is_kept_once(tmp_path):
+def test_equal_correspondences_share_memory(tmp_path):
     meshes(tmp_path, "cat0", "cat1", "cat2")
     cases = find_dataset(tmp_path).cases
     assert all(np.shares_memory(case.truth.source, cases[0].truth.target) for case in cases)

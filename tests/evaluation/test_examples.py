@@ -1,4 +1,4 @@
-"""The shapes that ship with the package: whole, closed, meshed apart, and their truth true."""
+"""The example shapes: closed, well meshed, independently meshed, with a correct ground truth."""
 
 import subprocess
 import sys
@@ -27,7 +27,7 @@ def edge_length(mesh: Mesh) -> float:
 
 
 def carried(target: Mesh, faces: np.ndarray, barycentric: np.ndarray, values: np.ndarray | None = None) -> np.ndarray:
-    """Values (k, d) at the points of a map into the target; its coordinates unless told otherwise."""
+    """Values (k, d) at the points of a map into the target; its coordinates by default."""
     values = target.vertices if values is None else values
     return np.einsum("ki,kij->kj", barycentric, values[target.faces[faces]])
 
@@ -97,7 +97,7 @@ def test_truth_is_well_formed(name, meshes, mirrored, reverse):
 
 
 @pytest.mark.parametrize(("mirrored", "reverse"), MAPS)
-def test_there_and_back_again(name, meshes, mirrored, reverse):
+def test_the_round_trip_returns_to_the_vertex(name, meshes, mirrored, reverse):
     source, target = meshes[::-1] if reverse else meshes
     there = examples.truth(name, mirrored=mirrored, reverse=reverse)
     back = carried(source, *examples.truth(name, mirrored=mirrored, reverse=not reverse))
@@ -144,8 +144,8 @@ def test_poses_differ(name, meshes):
     """No rigid motion brings one pose to the other: distances through space change by far more than edges do."""
     first, second = meshes
     image = carried(second, *examples.truth(name))
-    some = np.random.default_rng(0).permutation(len(image))
-    before, after = (np.linalg.norm(p - p[some], axis=1) for p in (first.vertices, image))
+    shuffled = np.random.default_rng(0).permutation(len(image))
+    before, after = (np.linalg.norm(p - p[shuffled], axis=1) for p in (first.vertices, image))
     assert np.abs(after - before).mean() / before.mean() > 0.05
 
 

@@ -56,7 +56,7 @@ def test_every_figure_is_a_valid_svg_and_png_with_equal_bytes_each_time():
         assert (width, height) == pytest.approx([x / 72 * 150 for x in points], abs=2)
 
 
-def test_the_users_matplotlib_settings_change_nothing_and_are_left_alone():
+def test_figures_do_not_depend_on_the_users_matplotlib_settings():
     make = figures.calibration, np.linspace(0, 1, 11), np.arange(10), {"direct": np.linspace(0, 1, 10)}
     plain = figures.draw(*make)
     changed = {"font.size": 30, "axes.facecolor": "red", "svg.hashsalt": "mine", "savefig.dpi": 10}
@@ -74,7 +74,7 @@ def test_the_matrix_has_a_cell_a_match_whose_colour_darkens_with_the_error():
     assert (np.diff(luminance(colours)) < 0).all()
     picture = png(figures.draw(matrix_of, [errors, errors[::-1]]))
     for colour in colours:
-        assert (np.abs(picture - colour).max(axis=2) < 0.02).sum() > 50, "each cell is to be seen"
+        assert (np.abs(picture - colour).max(axis=2) < 0.02).sum() > 50, "each cell is visible"
 
 
 def test_a_missing_match_is_not_drawn_as_an_error_of_zero():
@@ -84,10 +84,10 @@ def test_a_missing_match_is_not_drawn_as_an_error_of_zero():
     assert figure.axes[0].patch.get_hatch()
 
 
-def test_rows_are_named_by_pairs_while_there_is_room_and_by_categories_beyond():
+def test_few_rows_are_named_by_pairs_and_many_by_categories():
     few = matrix_of(np.zeros((3, 5)), ["a-b", "a-c", "d-e"], ["a", "a", "d"])
     assert shown_text(few)[:3] == ["a-b", "a-c", "d-e"]
-    n = figures.MOST_NAMES + 1
+    n = figures.MAX_NAMES + 1
     names, categories = [f"pair{k}" for k in range(n)], ["a"] * (n - 1) + ["b"]
     many = matrix_of(np.zeros((n, 5)), names, categories)
     assert shown_text(many)[:2] == ["a", "b"]
@@ -105,7 +105,7 @@ def test_categories_and_numbers_of_matches_are_marked_by_lines():
 
 
 @pytest.mark.parametrize("name", ["$x^2$", "$broken", "a\x00b\nc", "a--><script>", "形状", "\udcff"])
-def test_names_are_text_whatever_they_are(name):
+def test_names_are_never_parsed(name):
     line = figures.Line(name, np.zeros(3), figures.run_style(0))
     for drawn in (
         figures.draw(matrix_of, np.zeros((1, 3)), [name], [name]),
@@ -130,7 +130,7 @@ def test_curves_of_the_first_matches_and_the_histogram_are_those_of_the_table():
     assert filled == pytest.approx({0.01: 0.25, 0.03: 0.25, 0.11: 0.25, 0.24: 0.25}), "the last one is 0.5"
 
 
-def test_lines_can_be_told_apart_without_colour():
+def test_lines_differ_without_colour():
     styles = [figures.run_style(k) for k in range(8)]
     assert len({style["marker"] for style in styles}) == 8
     assert len({(style["linestyle"], style["marker"]) for style in figures.STYLES.values()}) == 3

@@ -1,4 +1,4 @@
-"""Known correspondence of one pair, from lists and from sets."""
+"""Known correspondence of one pair, from lists and from data sets."""
 
 import numpy as np
 import pytest
@@ -27,7 +27,7 @@ def test_lists_of_one_pair(tmp_path, name, text):
     assert read(tmp_path / name) == (PAIRS.tolist(), True)
 
 
-def test_many_pairs_stand_for_the_surface(tmp_path):
+def test_many_pairs_cover_the_surface(tmp_path):
     path = tmp_path / "dense.txt"
     path.write_text("".join(f"{i}\n" for i in range(300)))
     pairs, landmarks = read(path, 300)
@@ -46,10 +46,10 @@ def folder(tmp_path):
     return tmp_path
 
 
-def test_a_set_gives_the_pair_either_way_round_and_by_name(folder):
-    one, other = str(folder / "a0.off"), str(folder / "b0.off")
-    assert read(folder, 3, one, other)[0] == [[0, 2], [1, 0], [2, 1]]
-    assert read(folder, 3, other, one)[0] == [[2, 0], [0, 1], [1, 2]]
+def test_a_data_set_has_the_pair_in_both_directions_and_by_name(folder):
+    source, target = str(folder / "a0.off"), str(folder / "b0.off")
+    assert read(folder, 3, source, target)[0] == [[0, 2], [1, 0], [2, 1]]
+    assert read(folder, 3, target, source)[0] == [[2, 0], [0, 1], [1, 2]]
     assert read(folder, 3, "/elsewhere/a0.off", "b0.off")[0] == [[0, 2], [1, 0], [2, 1]]
 
 
@@ -66,7 +66,7 @@ def test_a_manifest_gives_the_pair(folder):
         ("t.txt", "0 1\n2 x\n", r"t\.txt, line 2: '2 x'"),
         ("t.txt", "0 1\n-1 2\n", "line 2: vertex -1"),
         ("t.txt", "0 1 2\n", "line 1: 3 words"),
-        ("t.txt", "0 1.0 2.0 3.0\n", "folder of the set"),
+        ("t.txt", "0 1.0 2.0 3.0\n", "folder of the data set"),
         ("t.txt", "1\n2\n", "2 lines and the source 6 vertices"),
         ("t.txt", "-1\n" * 6, "no vertex has a counterpart"),
         ("t.txt", "# nothing\n", "holds no vertex numbers"),
@@ -75,7 +75,7 @@ def test_a_manifest_gives_the_pair(folder):
         ("t.csv", "source,target\n1,\n", "line 2"),
     ],
 )
-def test_what_cannot_be_read_is_told_with_its_place(tmp_path, name, text, words):
+def test_errors_name_the_line(tmp_path, name, text, words):
     (tmp_path / name).write_text(text)
     with pytest.raises(FormatError, match=words):
         read(tmp_path / name)

@@ -1,4 +1,4 @@
-"""Distances, coverage and ranking where the answer is known."""
+"""Distances, coverage and ranking with analytic answers."""
 
 import numpy as np
 import pytest
@@ -10,7 +10,7 @@ from tests.shapes import bent, grid, icosphere, lump, tube
 
 
 def folded_sheet():
-    """Two layers that lie close together and are joined at one edge: what is near in space may be far along."""
+    """Two close layers joined at one edge: points that are near in space may be far apart along the surface."""
     vertices, faces = grid(20, 9)
     return np.stack([np.abs(vertices[:, 0] - 10), vertices[:, 1], 0.2 * (vertices[:, 0] > 10)], axis=1), faces
 
@@ -50,7 +50,7 @@ def test_distances_on_a_flat_sheet_are_those_in_the_plane(method, tolerance):
 
 
 @pytest.mark.parametrize("method", ["exact", "heat"])
-def test_diameter_of_a_sphere_is_half_its_girth(method):
+def test_diameter_of_a_sphere_is_half_its_circumference(method):
     vertices, faces = icosphere(4)
     assert diameter(Mesh(50 * vertices, faces), method) == pytest.approx(50 * np.pi, rel=0.015)
 

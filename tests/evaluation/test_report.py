@@ -1,4 +1,4 @@
-"""The report's page, CSV and JSON against numbers worked out again from the records."""
+"""The report's page, CSV and JSON against numbers computed independently from the records."""
 
 from __future__ import annotations
 
@@ -69,8 +69,8 @@ class Page(HTMLParser):
         return {row[0]: dict(zip(header[1:], row[1:], strict=True)) for row in rows}
 
 
-def written(made, folder):
-    path = write_report(made, folder)
+def written(finished, folder):
+    path = write_report(finished, folder)
     assert path == folder / "report.html"
     return Page(path.read_text(encoding="utf-8"))
 
@@ -82,7 +82,7 @@ def rows_of(folder):
 
 @pytest.fixture
 def undrawn(monkeypatch):
-    """For tests that do not look at figures, which take most of the time."""
+    """No figures, which take most of the time."""
     monkeypatch.setattr(figures, "draw", lambda make, *arguments: (b"<svg/>", b"PNG"))
 
 
@@ -94,13 +94,13 @@ def report(tmp_path_factory):
 
 def test_the_headline_is_what_the_records_say(report):
     folder, page = report
-    done = [one for one in usual() if one["status"] == "done"]
-    better = [min((one["direct"], one["mirrored"]), key=lambda e: np.mean(e[:45])) for one in done]
+    done = [pair for pair in usual() if pair["status"] == "done"]
+    better = [min((pair["direct"], pair["mirrored"]), key=lambda e: np.mean(e[:45])) for pair in done]
     table = page.values("Means over pairs")
     content = json.loads((folder / "summary.json").read_text())
     for title, key, lists in (
-        ("direct", "direct", [one["direct"] for one in done]),
-        ("mirrored", "mirrored", [one["mirrored"] for one in done]),
+        ("direct", "direct", [pair["direct"] for pair in done]),
+        ("mirrored", "mirrored", [pair["mirrored"] for pair in done]),
         ("better of both", "better", better),
     ):
         expected = {
@@ -113,10 +113,10 @@ def test_the_headline_is_what_the_records_say(report):
         }
         assert {name: content["errors"][key][name] for name in expected} == pytest.approx(expected)
         column = {name: cells[title] for name, cells in table.items()}
-        assert column["pairs with this truth"] == "4"
+        assert column["pairs with this ground truth"] == "4"
         assert column["mean of the first 15, per diameter"] == f"{expected['mean15']:.3f}"
         assert column["mean of the first 45, per diameter"] == f"{expected['mean45']:.3f}"
-        assert column["pairs whose first 15 all lie within 3 %"] == f"{100 * expected['first15_close']:.1f} %"
+        assert column["pairs with the first 15 all within 3 %"] == f"{100 * expected['first15_close']:.1f} %"
         assert column["pairs with a mean of the first 45 above 0.10"] == str(expected["wrong"])
         assert not any(name.startswith("dense") for name in column)
     assert content["errors"]["direct"]["first15_close"] == 0.25, "few matches, an early error, and a mirrored pair fail"
@@ -133,12 +133,12 @@ def test_categories_and_pairs_have_their_own_numbers(report):
         ("dog", "2", "0"),
         ("all", "5", "1"),
     ]
-    dogs = [one["direct"] for one in usual() if one["category"] == "dog"]
+    dogs = [pair["direct"] for pair in usual() if pair["category"] == "dog"]
     assert table["dog"]["first 45"] == f"{np.mean([np.mean(e[:45]) for e in dogs]):.3f}"
     every = page.values("Mean errors per diameter (dense: per √area); more columns in pairs.csv")
-    for one in usual():
-        if one["status"] == "done":
-            assert every[one["name"]]["first 45, mirrored"] == f"{np.mean(one['mirrored'][:45]):.3f}"
+    for pair in usual():
+        if pair["status"] == "done":
+            assert every[pair["name"]]["first 45, mirrored"] == f"{np.mean(pair['mirrored'][:45]):.3f}"
     assert "cat0-cat3" not in every
 
 
@@ -171,9 +171,9 @@ def test_without_a_mirrored_truth_there_is_no_mirrored_column(tmp_path, undrawn)
     assert "mirrored" not in json.loads((tmp_path / "summary.json").read_text())["errors"]
 
 
-def test_matches_whose_truth_is_not_known_do_not_count(tmp_path, undrawn):
+def test_matches_without_a_known_true_point_are_ignored(tmp_path, undrawn):
     page = written(run([record("a-b", direct=[0.01, None, 0.03] * 15)]), tmp_path)
-    assert page.values("Means over pairs")["matches whose true point is known"] == {"direct": "30.0"}
+    assert page.values("Means over pairs")["matches with a known true point"] == {"direct": "30.0"}
     assert page.values("Means over pairs")["mean of the first 45, per diameter"]["direct"] == "0.020"
 
 
@@ -187,7 +187,7 @@ def test_dense_maps_alone_make_a_report(tmp_path, undrawn):
     assert table["dense map: points within 0.10 √area"]["better of both"].endswith(" %")
     assert "mean of the first 15, per diameter" not in table
     maps = page.values("Dense maps of another program")
-    assert {name: cells["value"] for name, cells in maps.items()} == {"folder": "maps", "numbers from": "1"}
+    assert {name: cells["value"] for name, cells in maps.items()} == {"folder": "maps", "vertices count from": "1"}
     assert not (tmp_path / "figures" / "error-matrix.svg").exists()
     assert rows_of(tmp_path)[0]["dense_unmapped"] == "7"
 
@@ -206,10 +206,10 @@ def test_a_run_with_nothing_but_failures_has_a_report(tmp_path):
 def test_an_interrupted_run_says_how_much_is_left(tmp_path, undrawn):
     page = written(run([record("a-b", direct=[0.01] * 50)], cases=["a-b", "a-c", "a-d"]), tmp_path)
     assert "1 of 3" in page.text
-    assert "2 pairs were not worked on yet" in page.text
+    assert "2 pairs are not processed yet" in page.text
 
 
-def test_names_of_files_are_text_and_nothing_else_of_the_machine_is_told(tmp_path):
+def test_file_names_are_escaped_and_paths_are_not_shown(tmp_path):
     names = ["<script>alert(1)</script>-b", '"><img src=x>-$x$', "a&amp;b-\x00\udcff形"]
     pairs = [record(name, name, direct=[0.01] * 50) for name in names] + [failed("<b>x</b>-y", "<i>/secret/z")]
     page = written(run(pairs), tmp_path)
@@ -224,7 +224,7 @@ def test_names_of_files_are_text_and_nothing_else_of_the_machine_is_told(tmp_pat
     assert not re.search(r"(src|href)=\"?(http|//|/)", (tmp_path / "report.html").read_text(encoding="utf-8"))
 
 
-def test_the_page_can_be_read_without_eyes(report):
+def test_the_page_is_accessible(report):
     _, page = report
     headings = [attributes for tag, attributes in page.elements if tag == "th"]
     assert headings
@@ -238,7 +238,7 @@ def test_figures_in_the_page_are_the_files(report):
     folder, page = report
     names = ["error-matrix", "first-60", "confidence", "cumulative"]
     kinds = [image["src"].split(";")[0] for image in page.images]
-    assert kinds == ["data:image/svg+xml"] * 4, "the meshes of this run are not there to be drawn"
+    assert kinds == ["data:image/svg+xml"] * 4, "the meshes of this run do not exist, so no pair is drawn"
     for name, image in zip(names, page.images, strict=True):
         content = base64.b64decode(image["src"].split(",")[1])
         assert content == (folder / "figures" / f"{name}.svg").read_bytes()
@@ -254,15 +254,17 @@ def test_the_same_records_give_the_same_bytes_and_other_times_change_times_alone
 
     first = files("a", usual())
     assert files("b", usual()) == first
-    slower = [one | {"timings": {"voting": 9.0, "total": 99.0}, "memory_mb": 7.0} for one in usual()]
-    second = files("c", [one if one["status"] == "failed" else new for one, new in zip(usual(), slower, strict=True)])
+    slower = [pair | {"timings": {"voting": 9.0, "total": 99.0}, "memory_mb": 7.0} for pair in usual()]
+    second = files(
+        "c", [pair if pair["status"] == "failed" else new for pair, new in zip(usual(), slower, strict=True)]
+    )
     changed = {name for name in first if first[name] != second[name]}
     assert changed == {"report.html", "pairs.csv", "summary.json"}
     times = re.compile(rb'<section id="times">.*?</section>', re.DOTALL)
     assert times.sub(b"", first["report.html"]) == times.sub(b"", second["report.html"])
-    one, two = (json.loads(files["summary.json"]) for files in (first, second))
-    assert one.pop("times") != two.pop("times")
-    assert one == two
+    before, after = (json.loads(files["summary.json"]) for files in (first, second))
+    assert before.pop("times") != after.pop("times")
+    assert before == after
     for old, new in zip(rows_of(tmp_path / "a"), rows_of(tmp_path / "c"), strict=True):
         assert {k for k in old if old[k] != new[k]} <= {"memory_mb", "voting_seconds", "total_seconds"}
 
@@ -270,14 +272,14 @@ def test_the_same_records_give_the_same_bytes_and_other_times_change_times_alone
 def test_the_csv_reads_back(report):
     folder, _ = report
     rows = rows_of(folder)
-    assert [row["name"] for row in rows] == [one["name"] for one in usual()]
-    for row, one in zip(rows, usual(), strict=True):
-        if one["status"] == "done":
-            assert float(row["mean45_mirrored"]) == pytest.approx(np.mean(one["mirrored"][:45]))
-            assert float(row["princeton_mean_direct"]) == pytest.approx(np.mean(one["direct"]) * 1.5)
+    assert [row["name"] for row in rows] == [pair["name"] for pair in usual()]
+    for row, pair in zip(rows, usual(), strict=True):
+        if pair["status"] == "done":
+            assert float(row["mean45_mirrored"]) == pytest.approx(np.mean(pair["mirrored"][:45]))
+            assert float(row["princeton_mean_direct"]) == pytest.approx(np.mean(pair["direct"]) * 1.5)
             assert (row["source"], row["matches"]) == (
-                "cat0.off" if "cat" in one["name"] else "dog0.off",
-                str(len(one["direct"])),
+                "cat0.off" if "cat" in pair["name"] else "dog0.off",
+                str(len(pair["direct"])),
             )
             assert float(row["voting_seconds"]) == 0.25
             assert float(row["coverage_target_evenness"]) == 0.8
@@ -287,7 +289,7 @@ def test_the_csv_reads_back(report):
     assert columns[-3:] == ["memory_mb", "voting_seconds", "total_seconds"]
 
 
-def test_the_worst_pairs_are_drawn_and_those_whose_meshes_are_gone_are_named(tmp_path, undrawn):
+def test_the_worst_pairs_are_drawn_and_missing_meshes_are_reported(tmp_path, undrawn):
     source, target = map(str, examples.paths("person"))
     here = {"source": source, "target": target}
     pairs = [record(f"p{k}-q{k}", direct=[0.01 * k] * 20, **(here if k in (4, 9) else {})) for k in range(1, 10)]
@@ -299,30 +301,30 @@ def test_the_worst_pairs_are_drawn_and_those_whose_meshes_are_gone_are_named(tmp
     picture = imread(tmp_path / "figures" / "worst-1.png")[:, :, :3]
     assert (picture.max(axis=2) - picture.min(axis=2) > 0.25).sum() > 500, "coloured spheres"
     written(run(pairs[:3]), tmp_path)
-    assert not list((tmp_path / "figures").glob("worst*")), "a picture of another report is gone"
+    assert not list((tmp_path / "figures").glob("worst*")), "pictures of an earlier report are removed"
     assert not [path for path in Path(tmp_path).rglob(".*") if path.is_file()]
 
 
 @pytest.mark.parametrize(
     ("scoring", "said"),
-    [("exact", "differ by 0.00040 of the diameter on average"), ("heat", "score with --geodesics exact")],
+    [("exact", "differ by 0.00040 of the diameter on average"), ("heat", "measure with exact geodesics")],
 )
 def test_the_geodesics_of_the_scoring_are_stated(tmp_path, undrawn, scoring, said):
     page = written(run([record("a-b", direct=[0.01] * 3)], scoring={"geodesics": scoring}), tmp_path)
     assert said in page.text
 
 
-def test_the_better_truth_is_drawn_only_where_it_is_another(report, tmp_path):
+def test_the_better_variant_is_shown_only_where_it_differs(report, tmp_path):
     assert "better of both" in report[1].tables["Within 5 % of the diameter"][0]
     page = written(run(usual()[:1]), tmp_path)
     assert page.tables["Within 5 % of the diameter"][0] == ["confidence", "matches", "direct"]
-    assert "Direct is the better of both truths in every pair" in page.text
+    assert "Direct is the better of both in every pair" in page.text
 
 
-def test_matches_that_no_landmark_is_near_do_not_count():
-    found = summary.measures(record("a-b", direct=[np.nan] * 50 + [0.02] * 15 + [0.08] * 5), "direct")
-    assert found["known"] == 20
-    assert found["mean15"] == pytest.approx(0.02)
-    assert found["mean45"] == pytest.approx(0.035)
-    assert found["first15_close"] == 1
-    assert found["wrong"] == 0
+def test_matches_without_a_landmark_are_ignored():
+    measures = summary.measures(record("a-b", direct=[np.nan] * 50 + [0.02] * 15 + [0.08] * 5), "direct")
+    assert measures["known"] == 20
+    assert measures["mean15"] == pytest.approx(0.02)
+    assert measures["mean45"] == pytest.approx(0.035)
+    assert measures["first15_close"] == 1
+    assert measures["wrong"] == 0

@@ -1,4 +1,4 @@
-"""Runs over many pairs: the same whatever happens on the way."""
+"""Runs over many pairs: results do not depend on processes, interruptions and failures."""
 
 import json
 import re
@@ -22,16 +22,16 @@ NAMES = [f"lump{i}-lump{j}" for i in range(4) for j in range(i + 1, 4)]
 
 @pytest.fixture(scope="module")
 def finished(lumps, tmp_path_factory):
-    """A run that nothing disturbed, with its report."""
+    """An uninterrupted run with its report."""
     out = tmp_path_factory.mktemp("finished") / "run"
     calls = []
-    found = run(find_dataset(lumps), out, jobs=2, progress=lambda *told: calls.append(told), **QUICK)
+    found = run(find_dataset(lumps), out, jobs=2, progress=lambda *call: calls.append(call), **QUICK)
     write_report(found, out)
     return found, calls
 
 
 def comparable(folder):
-    """All files of a run but for what is about time and memory, which has a place of its own in each."""
+    """All files of a run without times and memory, which are separate in each."""
     files = {}
     for path in sorted(path for path in Path(folder).rglob("*") if path.is_file()):
         content = path.read_bytes()
@@ -83,7 +83,7 @@ def test_progress_reaches_the_end(finished):
     assert [done for stage, done, _ in finished[1] if stage == "pairs"] == list(range(7))
 
 
-def test_what_is_left_is_the_run_alone(finished):
+def test_no_temporary_files_are_left(finished):
     folder = finished[0].folder
     assert {path.name for path in folder.iterdir()} == {
         "run.json",
@@ -150,7 +150,7 @@ def test_resuming_needs_the_same_run(finished, lumps, tmp_path):
     dataset = find_dataset(lumps)
     kept = comparable(out)
     for words, options in (
-        ("holds a run already.*--resume", {"resume": False}),
+        ("already holds a run; continue it with `resume`", {"resume": False}),
         ("other settings, seed.*0.*1", {"seed": 1}),
         ("other settings, samples", {"samples": 30}),
         ("other settings, geodesics.*heat.*dijkstra", {"preset": "paper"}),
@@ -160,13 +160,13 @@ def test_resuming_needs_the_same_run(finished, lumps, tmp_path):
         with pytest.raises(SettingsError, match=words):
             run(dataset, out, **({"resume": True} | QUICK | options))
     (tmp_path / "pairs.txt").write_text("lump0 lump1\n")
-    with pytest.raises(SettingsError, match="other meshes, truth or pairs"):
+    with pytest.raises(SettingsError, match="other meshes, known correspondence or pairs"):
         run(find_dataset(lumps, tmp_path / "pairs.txt"), out, resume=True, **QUICK)
     changed = tmp_path / "lumps"
     shutil.copytree(lumps, changed)
     with (changed / "lump2.off").open("a") as file:
         file.write("# touched\n")
-    with pytest.raises(SettingsError, match="other meshes, truth or pairs"):
+    with pytest.raises(SettingsError, match="other meshes, known correspondence or pairs"):
         run(find_dataset(changed), out, resume=True, **QUICK)
     assert comparable(out) == kept
 
@@ -187,13 +187,13 @@ def test_bad_pairs_fail_alone_and_are_tried_again(lumps, tmp_path):
     (data / "pairs.txt").write_text("lump3 lump1\nlump0 lump2\nlump2 lump3\n")
     found = run(find_dataset(data), out, scoring="heat", jobs=1, **QUICK)
     assert [record["status"] for record in found.records] == ["failed", "failed", "done"]
-    for record, words in zip(found.records, ("lump1.off", "lump0.off: vertex 642"), strict=False):
+    for record, words in zip(found.records, ("lump1.off", "lump0.off: the list of"), strict=False):
         assert words in record["error"]
         assert set(record) == {"name", "category", "source", "target", "status", "error"}
     again = run(find_dataset(data), out, scoring="heat", resume=True, jobs=1, **QUICK)
     assert again.records == found.records
     (data / "lump1.off").write_text(whole)
-    with pytest.raises(SettingsError, match="other meshes, truth or pairs"):
+    with pytest.raises(SettingsError, match="other meshes, known correspondence or pairs"):
         run(find_dataset(data), out, scoring="heat", resume=True, **QUICK)
 
 
@@ -224,11 +224,11 @@ def test_dense_maps_of_another_program(lumps, tmp_path):
 @pytest.mark.parametrize(
     ("options", "words"),
     [
-        ({"scoring": "dijkstra"}, "exact or heat"),
+        ({"scoring": "dijkstra"}, "`scoring` is 'dijkstra'; choose one of exact, heat"),
         ({"maps": "maps"}, "index_base"),
         ({"index_base": 0}, "index_base"),
         ({"maps": "maps", "index_base": 2}, "index_base"),
-        ({"jobs": 0}, "jobs"),
+        ({"jobs": 0}, "`jobs` is 0; give a number from 1 to 1024"),
         ({"samples": 2}, "samples"),
         ({"colour": "red"}, "colour"),
     ],

@@ -1,4 +1,4 @@
-"""Maps with known errors get these errors."""
+"""Errors of maps whose errors are known analytically."""
 
 from pathlib import Path
 
@@ -67,7 +67,7 @@ def test_a_shifted_flat_grid():
 
 
 @pytest.mark.parametrize("method", ["exact", "heat"])
-def test_truth_has_no_error_and_the_mirrored_truth_none_in_its_own_column(method):
+def test_the_true_map_has_no_error_and_the_mirrored_map_no_mirrored_error(method):
     vertices, faces = icosphere(2)
     mirror = np.argmax((vertices * [-1, 1, 1]) @ vertices.T, axis=1)
     mesh = Mesh(vertices, faces)
@@ -81,7 +81,7 @@ def test_truth_has_no_error_and_the_mirrored_truth_none_in_its_own_column(method
             assert (found[wrong][off_plane] > 0.05).all()
 
 
-def test_a_random_map_of_a_sphere_is_a_quarter_of_its_girth_off():
+def test_a_random_map_of_a_sphere_has_a_mean_error_of_a_quarter_circumference():
     vertices, faces = icosphere(3)
     mesh = Mesh(vertices, faces)
     image = np.random.default_rng(5).integers(0, len(vertices), len(vertices))
@@ -92,7 +92,7 @@ def test_a_random_map_of_a_sphere_is_a_quarter_of_its_girth_off():
     assert found.std() == pytest.approx(np.sqrt(np.pi**2 / 4 - 2), abs=error)
 
 
-def test_matches_beside_the_listed_points_are_compared_with_the_nearest_of_these():
+def test_a_match_is_compared_with_the_nearest_known_point():
     vertices, faces = grid(20, 15)
     mesh = Mesh(vertices, faces)
     listed = np.flatnonzero((vertices[:, 0] % 5 == 0) & (vertices[:, 1] % 5 == 0))
@@ -144,7 +144,7 @@ def test_difference_between_exact_and_heat():
     assert quick["direct"] == pytest.approx(heat, rel=1e-9)
 
 
-def test_numbers_are_those_of_the_file_whatever_repair_removed():
+def test_vertex_numbers_are_those_of_the_file():
     vertices, faces = grid(10, 8)
     extra = np.vstack([[[50.0, 50, 0], [60, 60, 0]], vertices])  # in no face
     mesh = repair(Mesh(extra, faces + 2))

@@ -46,9 +46,10 @@ def bench(
             metavar="FILE", help="Pairs to match, two names a line.  [default: DIR/pairs.txt, or all of a category]"
         ),
     ] = None,
-    geodesics: Annotated[
+    scoring: Annotated[
         str,
         Option(
+            "--geodesics",
             metavar="exact|heat",
             help="How errors are measured; heat is quicker, small errors a tenth too small.",
         ),
@@ -107,7 +108,7 @@ def bench(
         found = run(
             dataset,
             out,
-            scoring=geodesics,
+            scoring=scoring,
             resume=resume,
             maps=maps,
             index_base=index_base,

@@ -1,4 +1,4 @@
-"""Measuring matches against known correspondence: data sets, errors, runs over many pairs, reports."""
+"""Evaluation against known correspondence: data sets, errors, runs over many pairs, reports."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Several runs side by side: their curves in the same axes, and pair by pair what became better or worse."""
+"""Comparison of runs: their curves in common axes, and which pairs became better or worse."""
 
 from __future__ import annotations
 
@@ -13,15 +13,15 @@ import numpy as np
 from .._core.files import write_atomically
 from ..errors import SettingsError
 from . import figures, summary
-from .page import Markup, figure, number, page, save_figures, section, table, tag, words
+from .glossary import MEASURES, TITLES
+from .page import Markup, figure, number, page, save_figures, section, setting, table, tag
 from .sections import COLUMNS, measure
-from .words import MEASURES, TITLES
 
 if TYPE_CHECKING:
     from .runs import Run
 
 SAME = 0.01
-"""A pair whose error changes by no more than this is the same: per diameter, and for dense maps per sqrt(area)."""
+"""Largest change of an error that counts as the same: per diameter, for dense maps per sqrt(area)."""
 COMPARED = {"mean45": "mean of the first 45, per diameter", "dense_mean": "mean of the dense map, per √area"}
 ORDER = ("worse", "same", "better")
 
@@ -29,14 +29,14 @@ ORDER = ("worse", "same", "better")
 def write_comparison(runs: Sequence[Run], folder: Path) -> Path:
     """Write ``comparison.html``, ``comparison.csv`` and its figures into a folder.
 
-    Each later run is compared with the first, over the pairs (by name) that all runs have.
+    Each later run is compared with the first, on the pairs (by name) that all runs contain.
 
     Parameters
     ----------
     runs
         Two or more runs.
     folder
-        Where to write; made if it is not there.
+        The folder; created if necessary.
 
     Returns
     -------
@@ -49,11 +49,11 @@ def write_comparison(runs: Sequence[Run], folder: Path) -> Path:
         If there are fewer than two runs, or they have no pair in common.
     """
     if len(runs) < 2:
-        raise SettingsError("there is nothing to compare; give two run folders or more")
+        raise SettingsError("`runs`: there is nothing to compare; give two or more")
     names = run_names([Path(run.folder) for run in runs])
     common, records = common_pairs(runs)
     if not common:
-        raise SettingsError(f"{', '.join(names)}: these runs have no pair in common; compare runs of the same data")
+        raise SettingsError(f"{', '.join(names)}: these runs have no pair in common; compare runs on the same data set")
     kept = [
         [record for record, *others in zip(mine, *records, strict=True) if all(r["status"] == "done" for r in others)]
         for mine in records
@@ -77,27 +77,27 @@ def write_comparison(runs: Sequence[Run], folder: Path) -> Path:
 
 
 def run_names(folders: Sequence[Path]) -> list[str]:
-    """The folders' own names; with those above them, as far as it takes to tell them apart."""
+    """The names of the folders, with as many parent folders as necessary to make them distinct."""
     parts = [folder.resolve().parts[1:] for folder in folders]
     names = []
     for k, mine in enumerate(parts):
         others = parts[:k] + parts[k + 1 :]
         unique = (n for n in range(1, len(mine) + 1) if all(mine[-n:] != other[-n:] for other in others))
         length = next(unique, None)
-        # The same folder twice, or one that ends as another does, can only be numbered.
+        # The same folder twice, or a folder whose whole path ends another's, gets a number.
         names.append("/".join(mine[-length:]) if length else f"{'/'.join(mine[-1:])} ({k + 1})")
     return names
 
 
 def common_pairs(runs: Sequence[Run]) -> tuple[list[str], list[list[dict[str, Any]]]]:
-    """The names of the pairs that all runs have, in the order of the first run, and their records in each run."""
+    """The names of the pairs that all runs contain, in the order of the first run, and their records in each run."""
     tables = [{record["name"]: record for record in run.records} for run in runs]
     common = [name for name in tables[0] if all(name in table for table in tables)]
     return common, [[table[name] for name in common] for table in tables]
 
 
 def verdict(before: dict[str, Any], after: dict[str, Any], name: str, variant: str) -> tuple[float, float, float, str]:
-    """Error before, error after, change (negative is better; infinite where one failed), and the word for it."""
+    """Error before and after, the change (infinite if one failed), and ``"better"``, ``"same"`` or ``"worse"``."""
     old, new = (
         summary.measures(record, variant)[name] if record["status"] == "done" else np.nan for record in (before, after)
     )
@@ -110,7 +110,7 @@ def verdict(before: dict[str, Any], after: dict[str, Any], name: str, variant: s
 
 
 def changes(names: Sequence[str], records: Sequence[Sequence[dict[str, Any]]]) -> list[dict[str, Any]]:
-    """A row for each later run, measure, truth and pair that has both numbers, those that got worst first."""
+    """A row for each later run, measure, ground truth and pair, sorted by the change with the worst first."""
     rows = []
     variants = summary.VARIANTS if any(len(summary.variants(list(each))) > 1 for each in records) else ("direct",)
     for name, after in zip(names[1:], records[1:], strict=True):
@@ -155,14 +155,14 @@ def _about(runs: Sequence[Run], names: Sequence[str], common: Sequence[str], kep
                 scoring,
             )
         )
-    header = ("run", "data", "pairs", "done", "maps of another program", "geodesics of the scoring")
-    said = (
-        f"{len(common)} pairs are in all runs; {len(kept[0])} of them are done in all; means and curves are over "
-        "those, each pair with the same weight."
+    header = ("run", "data", "pairs", "done", "maps of another program", "geodesics of the errors")
+    text = (
+        f"{len(common)} pairs are in all runs; {len(kept[0])} of them are done in all. Means and curves are over "
+        "these, with equal weights of the pairs."
     )
-    parts = [tag("p", said), table("Runs", header, rows)]
+    parts = [tag("p", text), table("Runs", header, rows)]
     if len({row[-1] for row in rows}) > 1:
-        warning = "The runs were scored with different geodesics: differences of a percent of an error come from that."
+        warning = "The runs measure errors with different geodesics, which causes differences of about one percent."
         parts.append(tag("p", warning, class_="alert"))
     return Markup("".join(parts))
 
@@ -182,8 +182,8 @@ def _headlines(names: Sequence[str], kept: Sequence[list[dict[str, Any]]]) -> li
         ]
         if variant == "direct":
             matches = [summary.surface_numbers(records)["matches"] for records in kept]
-            rows.append(["matches a pair", *(number(value, 1) for value in matches)])
-        tables.append(table(f"Against the truth: {TITLES[variant]}", ("", *names), rows, "prose"))
+            rows.append(["matches per pair", *(number(value, 1) for value in matches)])
+        tables.append(table(f"Against the ground truth: {TITLES[variant]}", ("", *names), rows, "prose"))
     return [tag("div", *tables, class_="grid")]
 
 
@@ -192,10 +192,10 @@ def _cumulative(names: Sequence[str], kept: Sequence[Any], files: dict[str, byte
     for dense, kind in ((False, "sparse"), (True, "dense")):
         panels = {}
         for variant in (v for v in _variants(kept) if v != "mirrored"):
-            found = [summary.cumulative(records, variant, dense) for records in kept]
+            curves = [summary.cumulative(records, variant, dense) for records in kept]
             lines = [
                 figures.Line(name, curve, figures.run_style(k))
-                for k, (name, curve) in enumerate(zip(names, found, strict=True))
+                for k, (name, curve) in enumerate(zip(names, curves, strict=True))
                 if curve is not None
             ]
             if lines:
@@ -204,7 +204,7 @@ def _cumulative(names: Sequence[str], kept: Sequence[Any], files: dict[str, byte
             labels = ("error per √area", "share of points", 1.02)
             svg_png = figures.draw(figures.curves, panels, summary.THRESHOLDS, *labels)
             alt = f"Cumulative error curves ({kind}) of {', '.join(names)}."
-            caption = f"Share of points ({kind}) with at most this error; the higher, the better."
+            caption = f"Share of points ({kind}) with at most this error; higher is better."
             drawn.append(figure(files, f"comparison-cumulative-{kind}", svg_png, alt, caption))
     return drawn
 
@@ -223,12 +223,12 @@ def _first_matches(names: Sequence[str], kept: Sequence[Any], files: dict[str, b
     labels = ("correspondence, in order of confidence", "mean error per diameter")
     svg_png = figures.draw(figures.curves, panels, np.arange(1, COLUMNS + 1), *labels)
     alt = f"Mean error of the k-th correspondence, for {', '.join(names)}."
-    caption = "Mean, over the pairs, of the error of the k-th correspondence; the lower, the better."
+    caption = "Error of the k-th correspondence, averaged over the pairs; lower is better."
     return [figure(files, "comparison-first-60", svg_png, alt, caption)]
 
 
 def _changes(names: Sequence[str], rows: list[dict[str, Any]]) -> list[Markup]:
-    said = f"Better or worse: the error changed by more than {SAME}, or the pair failed in one of the two runs."
+    text = f"Better or worse: the error differs by more than {SAME}, or the pair failed in one of the two runs."
     parts = []
     blocks: dict[tuple[str, str, str], list[dict[str, Any]]] = {}
     for row in rows:
@@ -238,7 +238,7 @@ def _changes(names: Sequence[str], rows: list[dict[str, Any]]) -> list[Markup]:
         caption = f"{names[0]} to {run}: {COMPARED[key]}, {TITLES[variant]}: {counts}"
         cells = [(r["pair"], _error(r["before"]), _error(r["after"]), _change(r), r["verdict"]) for r in block]
         parts.append(table(caption, ("pair", names[0], run, "change", "verdict"), cells))
-    return [tag("p", said), tag("div", *parts, class_="grid")]
+    return [tag("p", text), tag("div", *parts, class_="grid")]
 
 
 def _error(value: float) -> str:
@@ -253,7 +253,7 @@ def _differences(runs: Sequence[Run], names: Sequence[str]) -> Markup:
     rows = []
     for part in ("settings", "scoring", "software"):
         for key in dict.fromkeys(key for run in runs for key in run.info[part]):
-            values = [words(run.info[part][key]) if key in run.info[part] else "–" for run in runs]
+            values = [setting(run.info[part][key]) if key in run.info[part] else "–" for run in runs]
             if len(set(values)) > 1:
                 rows.append((f"{part}: {key}", *values))
     return table("Settings that differ", ("name", *names), rows, "text") if rows else tag("p", "None.")

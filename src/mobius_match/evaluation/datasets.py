@@ -1,26 +1,27 @@
-"""Pairs of shapes with known correspondence, in the layouts in which such sets are published.
+"""Pairs of shapes with known correspondence, in the layouts in which such data sets are published.
 
-A folder is looked at for these, in this order; the first that fits is taken:
+The layout of a folder is the first of these that fits:
 
 manifest
     ``manifest.csv``, or any CSV file given instead of a folder. Columns ``source``, ``target`` (mesh files),
-    ``source_landmarks``, ``target_landmarks`` (vertex lists of equal length, line i is the same point) and, if
-    wanted, ``mirrored_landmarks`` (the target's list with left and right exchanged), ``category`` and ``base``.
-    Paths are relative to the CSV file. Vertex lists are read by :func:`read_vertices`: a number a line, or CSV with
-    a column ``vertex``. ``base`` is 0 or 1, the number of the first vertex in that row's lists; it may be left
-    out where the lists have lines ``vertex x y z``, which count from 0.
+    ``source_landmarks``, ``target_landmarks`` (vertex lists of equal length, line i of both is the same point) and
+    optionally ``mirrored_landmarks`` (the target's list with left and right exchanged), ``category`` and ``base``.
+    Paths are relative to the CSV file. Vertex lists are read by :func:`read_vertices`: one number per line, or CSV
+    with a column ``vertex``. ``base`` is 0 or 1, the number of the first vertex in the lists of that row; it is
+    optional for lists with lines ``vertex x y z``, which count from 0.
 vertex lists
     ``corres/NAME.vts`` for the mesh ``NAME.off`` (or another mesh format), numbers from 1; line i of two lists is
-    the same point. ``corres/NAME.sym.vts``, if it is there, is the same list with left and right exchanged.
+    the same point. ``corres/NAME.sym.vts``, if it exists, is the same list with left and right exchanged.
 landmarks
     ``NAME.vts`` beside the mesh, lines ``vertex x y z``, numbers from 0.
 same numbering
-    Meshes alone, with as many vertices as the others of their category: vertex i is vertex i, as TOSCA, SCAPE and
-    FAUST are published.
+    Only meshes, which have equal numbers of vertices within a category: vertex i corresponds to vertex i, as in the
+    published TOSCA, SCAPE and FAUST.
 
-Pairs are those of ``pairs.txt`` in the folder (two names a line, without or with the file's ending), or of another
-file in that format, or else all pairs within each category. The category is the mesh's name without the numbers
-around it: ``cat`` of ``cat0``, ``man`` of ``8_man_01``; where nothing is left, the folder's name.
+Pairs are listed in ``pairs.txt`` in the folder (two names per line, with or without the file's ending), or in another
+file of that format; without a list they are all pairs within each category. The category is the name of the mesh
+without leading and trailing numbers: ``cat`` of ``cat0``, ``man`` of ``8_man_01``; if nothing is left, the name of the
+folder.
 """
 
 from __future__ import annotations
@@ -41,7 +42,7 @@ from ..mesh.files import READERS, read_mesh
 from .vertexlists import read_lines, read_table, read_vertices
 
 FEW = 200
-"""A manifest's lists shorter than this are landmarks, longer ones stand for the whole surface."""
+"""Shorter vertex lists of a manifest are landmarks; longer ones cover the whole surface."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,11 +52,11 @@ class Truth:
     Parameters
     ----------
     source, target
-        (L,) int64 vertex numbers from 0 in the user's files: entry i of both is the same point.
+        (L,) int64 vertex numbers from 0 in the user's files; entry i of both is the same point.
     mirrored
-        (L,) int64 or None: the same for the target with left and right exchanged.
+        (L,) int64 or None: the target's vertices with left and right exchanged.
     landmarks
-        Whether these are a few chosen points, rather than points all over the surface.
+        Whether these are a few selected points instead of points all over the surface.
     """
 
     source: np.ndarray
@@ -69,7 +70,7 @@ class Truth:
 
 @dataclass(frozen=True, eq=False)
 class Case:
-    """One pair of shapes: its name, its category, the two mesh files, and the truth."""
+    """One pair of shapes: its name, its category, both mesh files, and the known correspondence."""
 
     name: str
     category: str
@@ -83,7 +84,7 @@ class Case:
 
 @dataclass(frozen=True, eq=False)
 class Dataset:
-    """Pairs of shapes: where they were found, in which layout, and the pairs in order."""
+    """A data set: its folder or manifest, its layout, and its pairs in order."""
 
     path: Path
     layout: str
@@ -94,21 +95,21 @@ class Dataset:
 
 
 def find_dataset(folder: str | os.PathLike[str], pairs: str | os.PathLike[str] | None = None) -> Dataset:
-    """The pairs of a folder, whose layout is found by looking (the module's text says which there are).
+    """The pairs of a folder. Its layout is detected; see :mod:`mobius_match.evaluation.datasets`.
 
     Parameters
     ----------
     folder
         A folder, or a manifest (CSV file).
     pairs
-        File of pairs to take instead of the folder's ``pairs.txt``.
+        File of pairs to use instead of the folder's ``pairs.txt``.
 
     Raises
     ------
     FormatError
-        No known layout, or a file in it that is missing or damaged.
+        If no layout fits, or a file is missing or damaged.
     SettingsError
-        ``pairs`` was given with a manifest, which has its own.
+        If ``pairs`` is given with a manifest, which lists its own.
     """
     folder = Path(folder)
     if not folder.exists():
@@ -119,18 +120,18 @@ def find_dataset(folder: str | os.PathLike[str], pairs: str | os.PathLike[str] |
             return dataset
     endings = ", ".join(READERS)
     raise FormatError(
-        f"{folder}: no pairs with known correspondence were found. Looked for manifest.csv; for meshes ({endings}) "
-        "with corres/NAME.vts; for meshes with NAME.vts beside them; and for at least two meshes whose names differ "
-        "only in their numbers and that have equally many vertices. See 'mobius bench --help'."
+        f"{folder}: no pairs with known correspondence. A data set is one of: manifest.csv; meshes ({endings}) with "
+        "corres/NAME.vts; meshes with NAME.vts beside them; at least two meshes whose names differ only in their "
+        "numbers and that have equal numbers of vertices."
     )
 
 
-def _manifest(given: Path, pairs: Path | None) -> Dataset | None:
-    path = given / "manifest.csv" if given.is_dir() else given
+def _manifest(folder: Path, pairs: Path | None) -> Dataset | None:
+    path = folder / "manifest.csv" if folder.is_dir() else folder
     if not path.is_file():
         return None
     if pairs is not None:
-        raise SettingsError(f"--pairs: {path} is a manifest, which lists its own pairs; leave one of the two out")
+        raise SettingsError(f"`pairs` cannot be given with {path}, a manifest, which lists its own pairs")
     cases: list[Case] = []
     for line, row in read_table(path, ("source", "target", "source_landmarks", "target_landmarks")):
         base = row.get("base") or None
@@ -162,11 +163,11 @@ def _vertex_lists(folder: Path, pairs: Path | None) -> Dataset | None:
 
     def truth(source: Path, target: Path) -> Truth:
         files = [lists / f"{source.stem}.vts", lists / f"{target.stem}.vts"]
-        twin = lists / f"{target.stem}.sym.vts"
-        files += [twin] if twin.is_file() else []
-        found = [read(file) for file in files]
-        _check_lengths(str(lists), [file.name for file in files], found)
-        return Truth(found[0], found[1], found[2] if len(found) == 3 else None)
+        mirrored = lists / f"{target.stem}.sym.vts"
+        files += [mirrored] if mirrored.is_file() else []
+        vertices = [read(file) for file in files]
+        _check_lengths(str(lists), [file.name for file in files], vertices)
+        return Truth(vertices[0], vertices[1], vertices[2] if len(vertices) == 3 else None)
 
     shapes = _meshes(folder, lambda mesh: (lists / f"{mesh.stem}.vts").is_file())
     return _dataset(folder, "vertex lists", shapes, pairs, truth)
@@ -183,9 +184,9 @@ def _landmarks(folder: Path, pairs: Path | None) -> Dataset | None:
 
     def truth(source: Path, target: Path) -> Truth:
         files = [source.with_suffix(".vts"), target.with_suffix(".vts")]
-        found = [read(file) for file in files]
-        _check_lengths(str(folder), [file.name for file in files], found)
-        return Truth(found[0], found[1], landmarks=True)
+        vertices = [read(file) for file in files]
+        _check_lengths(str(folder), [file.name for file in files], vertices)
+        return Truth(vertices[0], vertices[1], landmarks=True)
 
     return _dataset(folder, "landmarks", shapes, pairs, truth)
 
@@ -199,34 +200,34 @@ def _same_numbering(folder: Path, pairs: Path | None) -> Dataset | None:
     def vertices(path: Path) -> int:
         return read_mesh(path).n_file_vertices
 
-    everything = cache(lambda count: np.arange(count, dtype=np.int64))
+    all_vertices = cache(lambda count: np.arange(count, dtype=np.int64))
 
     def truth(source: Path, target: Path) -> Truth:
         counts = vertices(source), vertices(target)
         if counts[0] != counts[1]:
             raise FormatError(
                 f"{folder}: {source.name} has {counts[0]} vertices and {target.name} has {counts[1]}, so their "
-                "vertices do not correspond by number, and there are no lists (corres/NAME.vts or NAME.vts) either."
+                "vertices do not correspond by number, and there are no vertex lists (corres/NAME.vts or NAME.vts)."
             )
-        return Truth(everything(counts[0]), everything(counts[0]))
+        return Truth(all_vertices(counts[0]), all_vertices(counts[0]))
 
     return _dataset(folder, "same numbering", shapes, pairs, truth)
 
 
 def _meshes(folder: Path, wanted: Callable[[Path], bool]) -> dict[str, Path]:
-    """Mesh files of a folder by their name without ending, in natural order (cat2 before cat10)."""
+    """The mesh files of a folder by name without ending, in natural order (cat2 before cat10)."""
     if not folder.is_dir():
         return {}
-    found: dict[str, Path] = {}
-    for path in sorted(folder.iterdir(), key=_natural):
+    meshes: dict[str, Path] = {}
+    for path in sorted(folder.iterdir(), key=_natural_order):
         if path.suffix.lower() in READERS and path.is_file() and wanted(path):
-            if path.stem in found:
-                raise FormatError(f"{folder}: {found[path.stem].name} and {path.name} have one name. Remove one.")
-            found[path.stem] = path
-    return found
+            if path.stem in meshes:
+                raise FormatError(f"{folder}: {meshes[path.stem].name} and {path.name} have one name. Remove one.")
+            meshes[path.stem] = path
+    return meshes
 
 
-def _natural(path: Path) -> list[tuple[int, str]]:
+def _natural_order(path: Path) -> list[tuple[int, str]]:
     return [(int(part), "") if part.isdecimal() else (-1, part) for part in re.split(r"(\d+)", path.name)]
 
 
@@ -238,7 +239,7 @@ def _dataset(
     if pairs is not None or listed.is_file():
         chosen = _read_pairs(listed, folder, shapes)
     else:
-        chosen = [two for two in combinations(shapes.values(), 2) if category(two[0]) == category(two[1])]
+        chosen = [pair for pair in combinations(shapes.values(), 2) if category(pair[0]) == category(pair[1])]
     cases: list[Case] = []
     for source, target in chosen:
         cases.append(_case(cases, source, target, truth(source, target)))
@@ -267,19 +268,19 @@ def _read_pairs(path: Path, folder: Path, shapes: dict[str, Path]) -> list[tuple
 
 
 def category(mesh: Path) -> str:
-    """The class of a mesh by its name: ``cat`` of ``cat0.off``, ``man`` of ``8_man_01.off``; else its folder's name."""
+    """The category in a mesh's name, ``cat`` of ``cat0.off``, ``man`` of ``8_man_01.off``; else the folder's name."""
     return re.sub(r"^[\d_.-]+|[\d_.-]+$", "", mesh.stem) or mesh.resolve().parent.name
 
 
 def _case(earlier: list[Case], source: Path, target: Path, truth: Truth, given: str | None = None) -> Case:
-    """A case with a name of its own, which is also a file's."""
+    """A case with a unique name, which is also the name of its file."""
     names = {case.name for case in earlier}
-    name = wanted = f"{source.stem}-{target.stem}"
+    name = base_name = f"{source.stem}-{target.stem}"
     number = 2
     while name in names:
-        name, number = f"{wanted}-{number}", number + 1
-    classes = category(source), category(target)
-    return Case(name, given or (classes[0] if classes[0] == classes[1] else "-".join(classes)), source, target, truth)
+        name, number = f"{base_name}-{number}", number + 1
+    both = category(source), category(target)
+    return Case(name, given or (both[0] if both[0] == both[1] else "-".join(both)), source, target, truth)
 
 
 def _check_lengths(place: str, names: list[str], lists: list[np.ndarray]) -> None:

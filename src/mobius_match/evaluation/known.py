@@ -1,4 +1,4 @@
-"""The known correspondence of one pair of meshes, from a file or from the folder of a set that holds the pair."""
+"""The known correspondence of one pair of meshes, from a file or from a data set that contains the pair."""
 
 from __future__ import annotations
 
@@ -18,52 +18,53 @@ def read_truth(path: str | os.PathLike[str], source: str | None, target: str | N
     Parameters
     ----------
     path
-        Text of one of two kinds, numbers from 0: lines ``SOURCE TARGET``, or a line for each vertex of the source with
-        its target vertex, -1 for none, as ``mobius match --dense`` writes. Or a CSV file with columns ``source`` and
-        ``target``. Or a folder or manifest that :func:`find_dataset` knows, in which the pair is looked up.
+        One of: a text file with lines ``SOURCE TARGET``, vertices counting from 0; a text file with one line for each
+        vertex of the source, its target vertex or -1 for none, as :meth:`mobius_match.SurfaceMap.save` writes; a CSV
+        file with columns ``source`` and ``target``; a folder or manifest as for :func:`find_dataset`, which contains
+        the pair.
     source, target
-        Paths of the meshes, None for arrays.
+        Paths of the meshes; None for arrays.
     vertices
-        How many the source's file has.
+        Number of vertices in the source's file.
 
     Raises
     ------
     FormatError
-        The file is none of these, is damaged, or does not have the pair.
+        If the file is none of these, is damaged, or does not contain the pair.
     """
     path = Path(path)
     if path.is_dir():
-        return _of_set(path, source, target)
+        return _from_dataset(path, source, target)
     if path.suffix.lower() == ".csv":
         if "source_landmarks" in (read_lines(path) or [""])[0]:
-            return _of_set(path, source, target)
+            return _from_dataset(path, source, target)
         rows = [(line, [row["source"], row["target"]]) for line, row in read_table(path, ("source", "target"))]
     else:
         split = ((number, line.split("#")[0].split()) for number, line in enumerate(read_lines(path), start=1))
         rows = [(number, words) for number, words in split if words]
     if not rows:
-        raise FormatError(f"{path}: holds no vertex numbers; give a pair a line.")
+        raise FormatError(f"{path}: holds no vertex numbers; give one pair per line.")
     if all(len(words) == 1 for _, words in rows):
-        found = read_vertices(path, 0, gaps=True)
-        if len(found) != vertices:
+        targets = read_vertices(path, 0, gaps=True)
+        if len(targets) != vertices:
             raise FormatError(
-                f"{path}: has {len(found)} lines and the source {vertices} vertices; give a line for each, -1 for "
-                "none, or pairs 'SOURCE TARGET'."
+                f"{path}: has {len(targets)} lines and the source {vertices} vertices; give one line for each vertex, "
+                "-1 for none, or pairs 'SOURCE TARGET'."
             )
-        known = np.flatnonzero(found >= 0)
-        pairs = np.stack([known, found[known]], axis=1)
+        known = np.flatnonzero(targets >= 0)
+        pairs = np.stack([known, targets[known]], axis=1)
     else:
         pairs = np.array([_pair(path, line, words) for line, words in rows], np.int64)
     if not len(pairs):
-        raise FormatError(f"{path}: no vertex has a counterpart; the list is of no use.")
+        raise FormatError(f"{path}: no vertex has a counterpart.")
     return Truth(pairs[:, 0], pairs[:, 1], landmarks=len(pairs) < FEW)
 
 
 def _pair(path: Path, line: int, words: list[str]) -> list[int]:
     if len(words) != 2:
         raise FormatError(
-            f"{path}, line {line}: {len(words)} words, where two vertex numbers, of source and target, are expected. "
-            "(For lists of vertices, one for each mesh, give the folder of the set.)"
+            f"{path}, line {line}: {len(words)} words; give two vertex numbers, of source and target. (For vertex "
+            "lists, one for each mesh, give the folder of the data set.)"
         )
     try:
         numbers = [int(word) for word in words]
@@ -74,8 +75,8 @@ def _pair(path: Path, line: int, words: list[str]) -> list[int]:
     return numbers
 
 
-def _of_set(path: Path, source: str | None, target: str | None) -> Truth:
-    """The pair as it stands in a set, or turned round; meshes are told by their path, else by their name."""
+def _from_dataset(path: Path, source: str | None, target: str | None) -> Truth:
+    """The pair of a data set in either direction; meshes are compared by path, then by file name."""
     wanted = [None if mesh is None else Path(mesh) for mesh in (source, target)]
     cases = find_dataset(path).cases
     for same in (_same_file, _same_name):
@@ -86,8 +87,8 @@ def _of_set(path: Path, source: str | None, target: str | None) -> Truth:
                 return Truth(case.truth.target, case.truth.source, landmarks=case.truth.landmarks)
     names = " and ".join("an array" if mesh is None else mesh.name for mesh in wanted)
     raise FormatError(
-        f"{path}: {names} are none of its {len(cases)} pairs, of which {cases[0].source.name} and "
-        f"{cases[0].target.name} are the first. Name another folder, or a file of pairs."
+        f"{path}: {names} are none of its {len(cases)} pairs, the first of which is {cases[0].source.name} and "
+        f"{cases[0].target.name}. Give another folder, or a file of pairs."
     )
 
 

@@ -1,4 +1,4 @@
-"""What is measured of a set of matches, on meshes that :func:`mobius_match.mesh.repair` gave."""
+"""Measures of a set of matches, on meshes repaired by :func:`mobius_match.mesh.repair`."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from ..mesh import Mesh
 from ..mesh.measure import areas, box_scale, unit_box
 
 SWEEPS = 30
-"""Farthest points that the diameter is looked for among."""
+"""Number of farthest points from which the diameter is searched."""
 
 
 def geodesic_distances(mesh: Mesh, sources: np.ndarray, targets: np.ndarray, method: str = "exact") -> np.ndarray:
@@ -31,57 +31,57 @@ def geodesic_distances(mesh: Mesh, sources: np.ndarray, targets: np.ndarray, met
 
     Notes
     -----
-    An exact shortest path from s to t, no longer than the shortest one along edges, of length u, stays where
-    \\|x - s\\| + \\|x - t\\| <= u, as no distance in space exceeds one on the surface. So only the faces that reach
-    into this ellipsoid are given to the solver, which makes close pairs cheap and changes no result.
+    A shortest path from s to t is not longer than the shortest path along edges, of length u, and a distance in space
+    is not longer than one on the surface. So the path stays in the ellipsoid \\|x - s\\| + \\|x - t\\| <= u. The solver
+    gets only the faces that reach into it, which makes close pairs fast and does not change the result.
     """
-    between = {"exact": _exact, "heat": _heat}[method]
+    make_distances = {"exact": _exact, "heat": _heat}[method]
     out = np.zeros(len(sources))
-    apart = np.flatnonzero(np.asarray(sources) != np.asarray(targets))
-    if len(apart):
-        distances = between(unit_box(mesh.vertices), mesh.faces)
-        for group in _groups(np.asarray(sources)[apart]):
-            rows = apart[group]
+    different = np.flatnonzero(np.asarray(sources) != np.asarray(targets))
+    if len(different):
+        distances = make_distances(unit_box(mesh.vertices), mesh.faces)
+        for group in _groups(np.asarray(sources)[different]):
+            rows = different[group]
             ends, back = np.unique(np.asarray(targets)[rows], return_inverse=True)
             out[rows] = distances(int(sources[rows[0]]), ends)[back]
     return out * box_scale(mesh.vertices)
 
 
 def _groups(values: np.ndarray) -> Iterator[np.ndarray]:
-    """For each different value the places where it stands."""
+    """The indices of each distinct value."""
     order = np.argsort(values, kind="stable")
     yield from np.split(order, np.flatnonzero(np.diff(values[order])) + 1)
 
 
-_Between = Callable[[int, np.ndarray], np.ndarray]
+_Distances = Callable[[int, np.ndarray], np.ndarray]
 
 
-def _heat(vertices: np.ndarray, faces: np.ndarray) -> _Between:
+def _heat(vertices: np.ndarray, faces: np.ndarray) -> _Distances:
     solver = geodesic_solver(vertices, faces, "heat")
     return lambda source, targets: solver(source)[targets]
 
 
-def _exact(vertices: np.ndarray, faces: np.ndarray) -> _Between:
+def _exact(vertices: np.ndarray, faces: np.ndarray) -> _Distances:
     graph = edge_graph(vertices, faces)
     corners = vertices[faces]
-    # No point of a triangle is farther from the closest corner than this.
+    # No point of a triangle is farther from its closest corner than this.
     slack = np.linalg.norm(corners - corners[:, [1, 2, 0]], axis=2).max(axis=1) / np.sqrt(3)
 
     def distances(source: int, targets: np.ndarray) -> np.ndarray:
-        apart = np.linalg.norm(vertices - vertices[source], axis=1)
-        along_edges = _along_edges(graph, source, targets, apart[targets].max())
-        return np.array([one(apart, source, int(t), u) for t, u in zip(targets, along_edges, strict=True)])
+        in_space = np.linalg.norm(vertices - vertices[source], axis=1)
+        along_edges = _along_edges(graph, source, targets, in_space[targets].max())
+        return np.array([distance(in_space, source, int(t), u) for t, u in zip(targets, along_edges, strict=True)])
 
-    def one(apart: np.ndarray, source: int, target: int, bound: float) -> float:
-        reach = apart + np.linalg.norm(vertices - vertices[target], axis=1)
-        near = faces[reach[faces].min(axis=1) - 2 * slack <= bound * (1 + 1e-9)]
-        kept = np.unique(near)
+    def distance(in_space: np.ndarray, source: int, target: int, bound: float) -> float:
+        sums = in_space + np.linalg.norm(vertices - vertices[target], axis=1)
+        inside = faces[sums[faces].min(axis=1) - 2 * slack <= bound * (1 + 1e-9)]
+        kept = np.unique(inside)
         ends = np.searchsorted(kept, [source, target])
-        found = _solve(vertices[kept], np.searchsorted(kept, near), *ends)
-        # The solver's answer for a part that it could not cross would be one of these.
-        if not apart[target] * (1 - 1e-9) <= found <= bound * (1 + 1e-9):
-            found = _solve(vertices, faces, source, target)
-        return found
+        length = _solve(vertices[kept], np.searchsorted(kept, inside), *ends)
+        # Outside the bounds the solver has failed on the part of the mesh.
+        if not in_space[target] * (1 - 1e-9) <= length <= bound * (1 + 1e-9):
+            length = _solve(vertices, faces, source, target)
+        return length
 
     return distances
 
@@ -94,21 +94,21 @@ def _solve(vertices: np.ndarray, faces: np.ndarray, source: int, target: int) ->
 
 
 def _along_edges(graph: sp.csr_matrix, source: int, targets: np.ndarray, guess: float) -> np.ndarray:
-    """Lengths of the shortest edge paths to the targets, looking no farther than needed."""
+    """Lengths of the shortest edge paths to the targets, with a search radius that grows as needed."""
     limit = 1.5 * guess
     while True:
-        found = dijkstra(graph, directed=False, indices=source, limit=limit)[targets]
-        if np.isfinite(found).all():
-            return found
+        lengths = dijkstra(graph, directed=False, indices=source, limit=limit)[targets]
+        if np.isfinite(lengths).all():
+            return lengths
         limit *= 2
 
 
 def diameter(mesh: Mesh, method: str = "exact") -> float:
     """Estimate of the largest geodesic distance on the mesh, in its units.
 
-    The two most distant of 30 farthest points and all vertices by heat distances; with ``"exact"`` the distance
-    of these two is then exact. It does not depend on any setting of the matching, other than
-    :attr:`mobius_match.Surface.diameter`, the largest distance from the sample points.
+    The largest heat distance between one of 30 farthest points and any vertex; with ``"exact"`` the exact distance of
+    these two. It does not depend on the settings of a match, unlike :attr:`mobius_match.Surface.diameter`, which is
+    the largest distance from the sample points.
     """
     solver = geodesic_solver(unit_box(mesh.vertices), mesh.faces, "heat")
     best = (0.0, 0, 0)
@@ -120,38 +120,38 @@ def diameter(mesh: Mesh, method: str = "exact") -> float:
 
 
 def coverage(mesh: Mesh, vertices: np.ndarray) -> dict[str, float]:
-    """How evenly vertices lie over a mesh.
+    """How evenly vertices are distributed over a mesh.
 
-    Distances here are those of shortest edge paths, some percent too long.
+    Distances are those of shortest edge paths, which are a few percent too long.
 
     Returns
     -------
     dict
         ``mean``, ``largest``: mean over the area, and largest, distance of the surface from the nearest of the
         vertices, per sqrt(area).
-        ``evenness``: each of the Q vertices has the part of the surface that is nearest to it, the share a_q of the
-        area; exp(-sum a_q log a_q) / Q is 1 if all parts are equal and 1/Q if one has everything.
+        ``evenness``: exp(-sum a_q log a_q) / Q, where a_q is the share of the area that is nearest to vertex q; 1 if
+        all shares are equal, 1/Q if one vertex has everything.
     """
     unit, faces = unit_box(mesh.vertices), mesh.faces
     weights = np.bincount(faces.ravel(), np.repeat(areas(mesh.vertices, faces) / 3, 3), len(unit))
     total = weights.sum()
-    places = np.unique(vertices)
+    centres = np.unique(vertices)
     distances, _, nearest = dijkstra(
-        edge_graph(unit, faces), directed=False, indices=places, min_only=True, return_predecessors=True
+        edge_graph(unit, faces), directed=False, indices=centres, min_only=True, return_predecessors=True
     )
-    shares = np.bincount(np.searchsorted(places, nearest), weights, len(places)) / total
+    shares = np.bincount(np.searchsorted(centres, nearest), weights, len(centres)) / total
     shares = shares[shares > 0]
     return {
         "mean": float(distances @ weights / total / np.sqrt(total)),
         "largest": float(distances.max() / np.sqrt(total)),
-        "evenness": float(np.exp(-(shares @ np.log(shares))) / len(places)),
+        "evenness": float(np.exp(-(shares @ np.log(shares))) / len(centres)),
     }
 
 
 def ranking(confidence: np.ndarray, errors: np.ndarray) -> float | None:
-    """Spearman's rank correlation of confidence (Q,) with minus error (Q,): 1 if the surest are the best.
+    """Spearman's rank correlation of confidence (Q,) and negative error (Q,): 1 if the most confident are the best.
 
-    Errors that are not known (NaN) do not count; None where nothing can be ranked.
+    Unknown errors (NaN) are ignored; None if fewer than three are known, or all are equal.
     """
     known = ~np.isnan(errors)
     if known.sum() < 3 or any(np.ptp(values[known]) == 0 for values in (confidence, errors)):
@@ -160,6 +160,6 @@ def ranking(confidence: np.ndarray, errors: np.ndarray) -> float | None:
 
 
 def _ranks(values: np.ndarray) -> np.ndarray:
-    """Places in order of size, equal values sharing the mean of theirs."""
+    """Ranks of the values; equal values have their mean rank."""
     _, place, count = np.unique(values, return_inverse=True, return_counts=True)
     return (np.cumsum(count) - (count - 1) / 2)[place]

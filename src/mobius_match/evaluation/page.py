@@ -1,4 +1,4 @@
-"""The little HTML that a report needs: elements whose text is escaped, tables, embedded figures, one style sheet."""
+"""HTML for reports: elements with escaped text, tables, embedded figures, one style sheet."""
 
 from __future__ import annotations
 
@@ -12,39 +12,39 @@ from .._core.files import write_atomically
 
 
 class Markup(str):
-    """Text that is HTML already; all other text is escaped."""
+    """Text that is already HTML; all other text is escaped."""
 
     __slots__ = ()
 
 
 def printable(text: object) -> str:
-    """The text without what no page, figure or table may hold: control characters and halves of characters."""
+    """The text on one line; control characters and lone surrogates are replaced."""
     return "".join(c if c.isprintable() else "\N{REPLACEMENT CHARACTER}" for c in " ".join(str(text).split()))
 
 
 def tag(element: str, *children: object, **attributes: object) -> Markup:
-    """An element; its children are escaped unless they are Markup. ``class_`` stands for the attribute class."""
+    """An element; children are escaped unless they are Markup. The attribute class is written ``class_``."""
     inner = "".join(child if isinstance(child, Markup) else html.escape(printable(child)) for child in children)
     given = "".join(f' {name.rstrip("_")}="{html.escape(printable(v))}"' for name, v in attributes.items())
     return Markup(f"<{element}{given}>{inner}</{element}>\n")
 
 
 def join(parts: Iterable[Markup]) -> Markup:
-    """Several pieces of HTML as one."""
+    """Pieces of HTML joined to one."""
     return Markup("".join(parts))
 
 
 def number(value: float | None, digits: int = 3) -> str:
-    """A number with a fixed number of digits, a whole one without any, a dash for nothing."""
+    """A float with a fixed number of decimals, an integer without, a dash for None or NaN."""
     if value is None or value != value:
         return "–"
     return f"{value:,d}" if isinstance(value, int) else f"{value:.{digits}f}"
 
 
-def words(value: Any) -> str:
-    """A setting's value."""
+def setting(value: Any) -> str:
+    """The value of a setting as text."""
     if isinstance(value, dict):
-        return ", ".join(f"{name} {words(item)}" for name, item in value.items())
+        return ", ".join(f"{name} {setting(item)}" for name, item in value.items())
     return "not set" if value is None else str(value)
 
 
@@ -54,7 +54,7 @@ def percent(value: float | None) -> str:
 
 
 def table(caption: str, header: Sequence[str], rows: Iterable[Sequence[Any]], class_: str = "") -> Markup:
-    """A table; the first cell of a row is its heading."""
+    """A table; the first cell of each row is its heading."""
     head = tag("tr", *(tag("th", name, scope="col") for name in header))
     body = [tag("tr", tag("th", first, scope="row"), *(tag("td", cell) for cell in rest)) for first, *rest in rows]
     whole = tag("table", tag("caption", caption), tag("thead", head), tag("tbody", *body), class_=class_)
@@ -62,43 +62,43 @@ def table(caption: str, header: Sequence[str], rows: Iterable[Sequence[Any]], cl
 
 
 def without_empty(header: Sequence[str], rows: list[list[str]]) -> tuple[list[str], list[list[str]]]:
-    """Header and rows without the columns that have nothing but dashes."""
+    """Header and rows without the columns that contain only dashes."""
     kept = [k for k in range(len(header)) if any(row[k] != number(None) for row in rows)]
     return [header[k] for k in kept], [[row[k] for k in kept] for row in rows]
 
 
 def picture(content: bytes, kind: str, alternative: str, caption: str) -> Markup:
-    """A figure, embedded in the page; ``kind`` is ``"svg+xml"`` or ``"png"``."""
+    """A picture embedded in the page; ``kind`` is ``"svg+xml"`` or ``"png"``."""
     data = f"data:image/{kind};base64,{base64.b64encode(content).decode()}"
     image = Markup(f'<img src="{data}" alt="{html.escape(printable(alternative))}">')
     return tag("figure", image, tag("figcaption", caption))
 
 
 def figure(files: dict[str, bytes], name: str, drawn: tuple[bytes, bytes], alternative: str, caption: str) -> Markup:
-    """Put the SVG and the PNG of a figure among the files, and give what embeds it."""
+    """Add the SVG and the PNG of a figure to the files, and return the HTML that embeds it."""
     files[f"{name}.svg"], files[f"{name}.png"] = drawn
     return picture(drawn[0], "svg+xml", alternative, caption)
 
 
 def save_figures(folder: Path, files: dict[str, bytes]) -> None:
-    """Write the files into the folder's ``figures``."""
+    """Write the files into the subfolder ``figures``."""
     (folder / "figures").mkdir(parents=True, exist_ok=True)
     for name, content in files.items():
         write_atomically(folder / "figures" / name, content)
 
 
 def tiles(values: Iterable[tuple[str, str]]) -> Markup:
-    """The numbers to see first: each with what it is."""
+    """The headline numbers, each with its name."""
     return tag("dl", *(tag("div", tag("dt", name), tag("dd", value)) for name, value in values), class_="tiles")
 
 
 def section(title: str, *content: object, **attributes: object) -> Markup:
-    """A section under a heading."""
+    """A section with a heading."""
     return tag("section", tag("h2", title), *content, **attributes)
 
 
 def page(title: str, *content: object) -> bytes:
-    """The whole file."""
+    """The content of the HTML file."""
     meta = Markup('<meta charset="utf-8">\n<meta name="viewport" content="width=device-width, initial-scale=1">\n')
     head = tag("head", meta, tag("title", title), tag("style", Markup(STYLE)))
     body = tag("body", tag("main", tag("h1", title), *content))
@@ -135,8 +135,8 @@ figure { margin: 1.2rem 0; }
 figure img { display: block; max-width: 100%; height: auto; }
 figcaption { max-width: 52rem; margin-top: .4rem; overflow-wrap: anywhere; }
 .grid { display: grid; grid-template-columns: repeat(auto-fit, minmax(min(100%, 480px), 1fr)); gap: 0 1.5rem; }
-dl.words dt { font-weight: 600; margin-top: .7rem; }
-dl.words dd { margin: 0; max-width: 46rem; }
+dl.definitions dt { font-weight: 600; margin-top: .7rem; }
+dl.definitions dd { margin: 0; max-width: 46rem; }
 summary { cursor: pointer; font-weight: 600; }
 @media screen and (max-width: 640px) {
   figure { overflow-x: auto; }

@@ -1,8 +1,7 @@
-"""The report of a run: one page that needs nothing else, its figures as files, and its numbers as CSV and JSON.
+"""The report of a run: a self-contained HTML page, its figures as files, and its numbers as CSV and JSON.
 
-All that differs between two runs of the same settings (times, memory) stands in one section of the page
-(``id="times"``), in the columns of ``pairs.csv`` that end in ``_seconds`` or ``_mb``, and
-under ``"times"`` in ``summary.json``.
+What differs between two runs with the same settings (times, memory) is confined to one section of the page
+(``id="times"``), the columns of ``pairs.csv`` that end in ``_seconds`` or ``_mb``, and ``"times"`` in ``summary.json``.
 """
 
 from __future__ import annotations
@@ -18,8 +17,8 @@ from typing import TYPE_CHECKING, Any
 from .._core.files import write_atomically
 from . import sections, summary
 from .comparison import write_comparison
+from .glossary import definitions
 from .page import page, save_figures, section
-from .words import definitions
 
 if TYPE_CHECKING:
     from .runs import Run
@@ -32,14 +31,14 @@ FORMAT, VERSION = "mobius-match/bench-summary", 1
 def write_report(run: Run, folder: Path) -> Path:
     """Write ``report.html``, ``figures/``, ``pairs.csv`` and ``summary.json`` into a folder.
 
-    The same records give the same bytes. A run in which every pair failed has a report as well.
+    The same records give the same bytes. A run in which every pair failed also gets a report.
 
     Parameters
     ----------
     run
         A finished or interrupted run.
     folder
-        Where to write; made if it is not there.
+        The folder; created if necessary.
 
     Returns
     -------
@@ -51,7 +50,7 @@ def write_report(run: Run, folder: Path) -> Path:
     name = summary.dataset_name(run.info)
     content = page(f"Evaluation: {name}", *_content(run, files))
     save_figures(folder, files)
-    for old in (folder / "figures").glob("worst-*.png"):  # of an earlier report in which more pairs could be drawn
+    for old in (folder / "figures").glob("worst-*.png"):  # of an earlier report that drew more pairs
         if old.name not in files:
             old.unlink()
     write_atomically(folder / "pairs.csv", pairs_csv(run).encode(errors="replace"))
@@ -66,24 +65,24 @@ def _content(run: Run, files: dict[str, bytes]) -> Iterable[str]:
     yield sections.head(run.info, records, variants)
     yield sections.failures(run.info, records)
     if summary.done(records):
-        yield section("Errors against the truth", sections.errors(records, variants))
+        yield section("Errors against the ground truth", sections.errors(records, variants))
         if any(record["pairs"] for record in summary.done(records)):
             yield section("Match by match (figures 8 and 9 of the paper)", *sections.paper(records, variants, files))
-            yield section("Confidence against error", *sections.confidence(records, variants, files))
+            yield section("Confidence and error", *sections.confidence(records, variants, files))
             yield section("The worst pairs", *sections.worst(run.info, records, variants, files))
         yield section("Cumulative errors", sections.cumulative(records, variants, files))
         yield section("Categories", sections.categories(records, variants))
         yield section("Time and memory", *sections.times(records), id="times")
         yield section("Every pair", sections.every_pair(records, variants))
     yield section("Settings and versions", *sections.settings(run.info))
-    yield section("How this is measured", definitions(run.info, records))
+    yield section("Definitions", definitions(run.info, records))
 
 
 def pairs_csv(run: Run) -> str:
-    """One row a pair, failed ones included; see :func:`mobius_match.evaluation.summary.row`."""
+    """One row for each pair, including failed ones; see :func:`mobius_match.evaluation.summary.row`."""
     rows = [summary.row(record, run.info) for record in run.records]
     columns = list(dict.fromkeys(name for row in rows for name in row))
-    columns.sort(key=summary.is_time)  # stable: what differs between runs comes last
+    columns.sort(key=summary.is_time)  # a stable sort: times and memory come last
     text = io.StringIO()
     writer = csv.DictWriter(text, columns, lineterminator="\n")
     writer.writeheader()
@@ -92,7 +91,7 @@ def pairs_csv(run: Run) -> str:
 
 
 def summary_json(run: Run) -> str:
-    """The numbers of the page for programs; nothing is null but what could not be measured."""
+    """The numbers of the page as JSON; null for what could not be measured."""
     records = run.records
     variants = summary.variants(records)
     content = {

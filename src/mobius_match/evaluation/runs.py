@@ -1,7 +1,7 @@
-"""A method run over all pairs of a data set, in several processes, and the folder that keeps what came out.
+"""Runs over all pairs of a data set, in several processes, and the folder with their records.
 
-``run.json`` says what was run and with which settings, ``pairs/NAME.json`` is the record of a pair. Each file appears
-whole or not at all, so a run that was ended at any moment can be resumed.
+``run.json`` describes the data and the settings; ``pairs/NAME.json`` is the record of a pair. Each file appears whole
+or not at all, so an interrupted run can be resumed.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ VERSION = 1
 
 @dataclass(frozen=True, eq=False)
 class Run:
-    """What a run left: its folder, the content of ``run.json``, and the records of the pairs in order."""
+    """A run: its folder, the content of ``run.json``, and the records of the pairs in order."""
 
     folder: Path
     info: dict[str, Any]
@@ -55,27 +55,27 @@ def run(
     progress: Progress | None = None,
     **settings: Any,
 ) -> Run:
-    """Match all pairs of a data set, or take dense maps made by another program, and measure the errors.
+    """Match all pairs of a data set, or score dense maps of another program, and measure the errors.
 
     Parameters
     ----------
     dataset
-        Of :func:`find_dataset`.
+        The pairs, as :func:`find_dataset` returns them.
     out
-        Folder for the records; made if need be.
+        Folder for the records; created if necessary.
     scoring
-        Geodesics that errors are measured by: ``"exact"``, or ``"heat"``, which is quicker.
+        Geodesic distances of the errors: ``"exact"``, or ``"heat"``, which is faster.
     jobs
-        Processes; None uses every processor. The result does not depend on it.
+        Number of processes; None for every processor. The result does not depend on it.
     resume
-        Go on with the run that ``out`` holds; pairs that failed are tried again.
+        Continue the run in ``out``; failed pairs are tried again.
     maps
-        Folder of dense maps, which are scored instead of matching: ``PAIR.txt`` (``cat0-cat1.txt``) holds for each
-        vertex of the source the vertex of the target, a line each, -1 for none.
+        Folder of dense maps, which are scored instead of matching: ``PAIR.txt`` (``cat0-cat1.txt``) has one line for
+        each vertex of the source, its target vertex or -1 for none.
     index_base
-        Number of the first vertex in these files, 0 or 1.
+        Number of the first vertex in these files, 0 or 1; required with ``maps``.
     dense
-        Make and score a dense map of each pair too.
+        Also compute and score the dense map of each pair.
     preset, **settings
         As for :func:`mobius_match.match`.
     progress
@@ -84,57 +84,58 @@ def run(
     Raises
     ------
     SettingsError
-        A setting is out of range; ``out`` holds a run and ``resume`` is not set, or a run of something else.
+        If a setting is out of range, or ``out`` holds a run and ``resume`` is not set, or the run differs from this
+        one.
 
     Notes
     -----
-    This starts processes, so a script that calls it needs the usual ``if __name__ == "__main__":``.
+    This starts processes, so a script that calls it needs ``if __name__ == "__main__":``.
     """
-    chosen = make_settings(preset, **{**settings, "jobs": 1})
+    match_settings = make_settings(preset, **{**settings, "jobs": 1})
     if scoring not in ("exact", "heat"):
-        raise SettingsError(f"scoring is {scoring!r}; choose exact or heat")
+        raise SettingsError(f"`scoring` is {scoring!r}; choose one of exact, heat")
     if (maps is None) != (index_base is None) or index_base not in (None, 0, 1):
-        raise SettingsError("maps need index_base, 0 or 1, the number of the first vertex in them; nothing else does")
+        raise SettingsError("`maps` and `index_base` (0 or 1, the number of the first vertex) must be given together")
     if jobs is not None and not 1 <= jobs <= 1024:
-        raise SettingsError(f"jobs is {jobs}; give a number from 1 to 1024")
+        raise SettingsError(f"`jobs` is {jobs}; give a number from 1 to 1024")
     folder = Path(out)
-    measured = {"geodesics": scoring} | ({"dense": True} if dense else {})
-    info = _describe(dataset, chosen, preset, measured, maps, index_base)
+    measurement = {"geodesics": scoring} | ({"dense": True} if dense else {})
+    info = _describe(dataset, match_settings, preset, measurement, maps, index_base)
     _open(folder, info, resume)
-    tell = progress or (lambda stage, done, total: None)
+    report = progress or (lambda stage, done, total: None)
     waiting = {case.name: case for case in dataset.cases if not _is_done(_record_path(folder, case.name))}
     with Workers(min(jobs or os.cpu_count() or 1, max(len(waiting), 1))) as workers:
-        unusable = {} if maps is not None else _prepare_all(waiting, folder, chosen, workers, tell)
+        unusable = {} if maps is not None else _prepare_all(waiting, folder, match_settings, workers, report)
         tasks: dict[str, tuple[Any, ...]] = {}
         for case in waiting.values():
             errors = [unusable[str(path)] for path in (case.source, case.target) if str(path) in unusable]
             if errors:
                 _write_record(folder, failed(case, errors[0]))
             elif maps is None:
-                tasks[case.name] = (match_pair, case, scoring, folder, chosen, dense)
+                tasks[case.name] = (match_pair, case, scoring, folder, match_settings, dense)
             else:
                 tasks[case.name] = (score_dense, case, scoring, Path(maps) / f"{case.name}.txt", index_base)
         total = len(dataset.cases)
-        tell("pairs", total - len(tasks), total)
+        report("pairs", total - len(tasks), total)
         for done, (name, record) in enumerate(workers.results(record_of, tasks), start=total - len(tasks) + 1):
             _write_record(folder, failed(waiting[name], DIED) if record is Died else record)
-            tell("pairs", done, total)
+            report("pairs", done, total)
     shutil.rmtree(folder / "surfaces", ignore_errors=True)
     return load_run(folder)
 
 
 def load_run(folder: str | os.PathLike[str]) -> Run:
-    """Read the folder of a run; pairs that are not done yet are missing.
+    """Read the folder of a run. Pairs that are not done yet have no record.
 
     Raises
     ------
     FormatError
-        If it holds no run of this version, or a damaged one.
+        If the folder holds no run of this version, or a damaged one.
     """
     folder = Path(folder)
     info = _read_json(folder / "run.json")
     if not isinstance(info, dict) or (info.get("format"), info.get("version")) != (FORMAT, VERSION):
-        raise FormatError(f"{folder / 'run.json'}: not a run of mobius bench that this version reads; make it again")
+        raise FormatError(f"{folder / 'run.json'}: not a run that this version reads; run it again")
     paths = [_record_path(folder, name) for name in info["cases"]]
     return Run(folder, info, [_read_json(path) for path in paths if path.exists()])
 
@@ -148,12 +149,12 @@ def _describe(
     index_base: int | None,
 ) -> dict[str, Any]:
     """The content of run.json."""
-    chosen = {name: value for name, value in settings.to_dict().items() if name != "jobs"}
+    recorded = {name: value for name, value in settings.to_dict().items() if name != "jobs"}
     return {
         "format": FORMAT,
         "version": VERSION,
         "dataset": {"path": str(dataset.path), "layout": dataset.layout, "sha256": _digest(dataset)},
-        "settings": {**chosen, "preset": preset},
+        "settings": {**recorded, "preset": preset},
         "scoring": scoring,
         "maps": None if maps is None else {"folder": str(maps), "index_base": index_base},
         "software": software(),
@@ -162,7 +163,7 @@ def _describe(
 
 
 def _digest(dataset: Dataset) -> str:
-    """One number for all that is read: meshes, truth, pairs."""
+    """One digest of all meshes, known correspondences and pairs."""
     digest = hashlib.sha256()
 
     @cache
@@ -178,39 +179,37 @@ def _digest(dataset: Dataset) -> str:
 
 
 def _open(folder: Path, info: dict[str, Any], resume: bool) -> None:
-    """Make the folder of a new run, or check that the one that is there is of the same."""
+    """Create the folder of a new run, or check that an existing run is the same."""
     path = folder / "run.json"
     if path.exists():
         if not resume:
-            raise SettingsError(
-                f"{folder} holds a run already; continue it with --resume, or name another folder by -o"
-            )
-        held = load_run(folder).info
-        names = {"dataset": "meshes, truth or pairs", "cases": "pairs", "maps": "dense maps"}
+            raise SettingsError(f"{folder} already holds a run; continue it with `resume`, or choose another folder")
+        existing = load_run(folder).info
+        names = {"dataset": "meshes, known correspondence or pairs", "cases": "pairs", "maps": "dense maps"}
         for part in ("dataset", "settings", "scoring", "maps", "software", "cases"):
-            old, new = (x[part] if isinstance(x[part], dict) else {part: x[part]} for x in (held, info))
+            old, new = (x[part] if isinstance(x[part], dict) else {part: x[part]} for x in (existing, info))
             for key in old | new:
                 if old.get(key) != new.get(key) and key not in ("path", "folder"):
-                    what = names.get(part, f"{part}, {key}")
+                    difference = names.get(part, f"{part}, {key}")
                     raise SettingsError(
-                        f"{folder} holds a run with other {what} ({old.get(key)!r:.80}, now "
-                        f"{new.get(key)!r:.80}), which cannot be resumed; name another folder by -o"
+                        f"{folder} holds a run with other {difference} ({old.get(key)!r:.80}, now "
+                        f"{new.get(key)!r:.80}), which cannot be resumed; choose another folder"
                     )
     try:
         for part in ("pairs", "surfaces"):
             (folder / part).mkdir(parents=True, exist_ok=True)
-            for half in (folder / part).glob(".*"):  # of a run that was killed
-                half.unlink()
+            for incomplete in (folder / part).glob(".*"):  # of a run that was killed
+                incomplete.unlink()
         if not path.exists():
             write_atomically(path, _json(info))
     except OSError as error:
-        raise SettingsError(f"the folder {folder} cannot be written ({error.strerror}); name another by -o") from error
+        raise SettingsError(f"the folder {folder} cannot be written ({error.strerror}); choose another") from error
 
 
 def _prepare_all(
-    cases: dict[str, Case], folder: Path, settings: MatchSettings, workers: Workers, tell: Progress
+    cases: dict[str, Case], folder: Path, settings: MatchSettings, workers: Workers, report: Progress
 ) -> dict[str, str]:
-    """Prepare each mesh that a pair needs, once; give what is wrong with those that cannot be."""
+    """Prepare each mesh once; return the error messages of those that cannot be prepared, by path."""
     needed = {str(path) for case in cases.values() for path in (case.source, case.target)}
     tasks = {
         path: (path, surface_path(folder, path), settings)
@@ -218,12 +217,12 @@ def _prepare_all(
         if not surface_path(folder, path).exists()
     }
     unusable = {}
-    tell("meshes", len(needed) - len(tasks), len(needed))
+    report("meshes", len(needed) - len(tasks), len(needed))
     results = workers.results(prepare_one, tasks)
     for done, (path, error) in enumerate(results, start=len(needed) - len(tasks) + 1):
         if error is not None:
             unusable[path] = DIED if error is Died else error
-        tell("meshes", done, len(needed))
+        report("meshes", done, len(needed))
     return unusable
 
 
@@ -247,4 +246,4 @@ def _read_json(path: Path) -> Any:
     try:
         return json.loads(path.read_text(encoding="utf-8"))
     except (OSError, ValueError) as error:
-        raise FormatError(f"{path}: cannot be read ({error}); is this the folder of a run of mobius bench?") from error
+        raise FormatError(f"{path}: cannot be read ({error}); check that this is the folder of a run") from error

@@ -30,27 +30,27 @@ def read_vertices(path: Path, base: int | None, *, gaps: bool = False) -> np.nda
     Parameters
     ----------
     path
-        A line a vertex: its number, and after it whatever else; empty lines and what follows ``#`` do not count.
+        One vertex per line: its number first; the rest of the line, empty lines and comments after ``#`` are ignored.
         A file named ``.csv`` has a header, and the numbers are in its column ``vertex``.
     base
-        Number of the first vertex in the file, 0 or 1. None where the file must tell by itself: only lines
-        ``vertex x y z`` do, which are counted from 0.
+        Number of the first vertex in the file, 0 or 1. None is allowed only for files with lines ``vertex x y z``,
+        which count from 0.
     gaps
-        Whether -1 may stand for no vertex.
+        Whether -1, for no vertex, is allowed.
 
     Raises
     ------
     FormatError
-        The file cannot be read, has no numbers, one that is not a number, or one below the base.
+        If the file cannot be read, has no numbers, an entry that is not a number, or a number below the base.
     """
     rows = _csv_rows(path) if path.suffix.lower() == ".csv" else _text_rows(path)
     if not rows:
-        raise FormatError(f"{path}: holds no vertex numbers. Give one a line.")
+        raise FormatError(f"{path}: holds no vertex numbers. Give one per line.")
     if base is None:
         if any(len(words) != 4 for _, words in rows):
             raise FormatError(
-                f"{path}: whether its vertex numbers count from 0 or from 1 is not said. Only lines "
-                "'vertex x y z' are known to count from 0; say it in the column 'base' of the manifest."
+                f"{path}: it is unknown whether its vertex numbers count from 0 or from 1. Only lines 'vertex x y z' "
+                "always count from 0; give the column 'base' in the manifest."
             )
         base = 0
     numbers = []
@@ -75,12 +75,12 @@ def _csv_rows(path: Path) -> list[tuple[int, list[str]]]:
 
 
 def read_table(path: Path, needed: tuple[str, ...]) -> list[tuple[int, dict[str, str]]]:
-    """The rows of a CSV file with a header, each with its line number; values without spaces around them.
+    """The rows of a CSV file with a header, each with its line number; values are stripped of blanks.
 
     Raises
     ------
     FormatError
-        The file cannot be read, lacks a column, or a row lacks a value in one.
+        If the file cannot be read, lacks a needed column, or a row has no value in one.
     """
     reader = csv.DictReader(read_lines(path), skipinitialspace=True)
     try:

@@ -1,4 +1,4 @@
-"""What the processes of a run do: prepare one mesh, or match and score one pair; an error is a record, not an end."""
+"""The tasks of a run's processes: prepare a mesh, or match and score a pair. Errors become records."""
 
 from __future__ import annotations
 
@@ -25,24 +25,24 @@ from .vertexlists import read_vertices
 
 
 def prepare_one(path: str, out: Path, settings: MatchSettings) -> str | None:
-    """Prepare a mesh and keep it; the message if that fails."""
+    """Prepare a mesh and save it; the error message if that fails."""
     try:
         prepare(path, settings.preparation()).save(out)
-    except Exception as error:  # noqa: BLE001  # one mesh must not end the run
+    except Exception as error:  # noqa: BLE001  # the run continues without this mesh
         return _message(error)
     return None
 
 
 def surface_path(folder: Path, mesh: str | Path) -> Path:
-    """Where the folder of a run keeps a prepared mesh while it is under way."""
+    """The file of a prepared mesh in the folder of a run in progress."""
     return folder / "surfaces" / f"{hashlib.sha256(str(mesh).encode()).hexdigest()[:32]}.npz"
 
 
 def record_of(work: Callable[..., dict[str, Any]], case: Case, *arguments: Any) -> dict[str, Any]:
-    """The record of a pair, whatever happens."""
+    """The record of a pair: that of ``work``, or of its error."""
     try:
         return {**_head(case), "status": "done", "error": None, **work(case, *arguments), "memory_mb": _peak_memory()}
-    except Exception as error:  # noqa: BLE001  # one pair must not end the run
+    except Exception as error:  # noqa: BLE001  # the run continues without this pair
         return failed(case, _message(error))
 
 
@@ -67,64 +67,64 @@ def match_pair(
     dense: bool,
     parameters: Parameters = Parameters(),
 ) -> dict[str, Any]:
-    """Match two prepared meshes and score the matches, and the dense map if wanted."""
+    """Match two prepared meshes, and score the matches and, if ``dense``, the dense map."""
     source, target = (_load_surface(surface_path(folder, path)) for path in (case.source, case.target))
     result = match(source, target, parameters=parameters, **settings.to_dict())
     timings = {f"source {name}": seconds for name, seconds in source.timings.items()}
     timings |= {f"target {name}": seconds for name, seconds in target.timings.items()}
     timings |= {name: seconds for name, seconds in result.timings.items() if name not in ("reading", "total")}
     start = time.perf_counter()
-    spread = result.dense() if dense else None
-    if spread:
+    surface_map = result.dense() if dense else None
+    if surface_map:
         timings["dense map"] = time.perf_counter() - start
     timings["total"] = sum(timings.values())
     start = time.perf_counter()
-    scored = _scorer(case, source.whole_mesh, target.whole_mesh, scoring)
-    found = scored.score(result.pairs, result.confidence)
-    of_map = _dense(scored.score_map(spread.vertex_map)) if spread else None
+    scorer = _scorer(case, source.whole_mesh, target.whole_mesh, scoring)
+    scores = scorer.score(result.pairs, result.confidence)
+    dense_record = _dense_record(scorer.score_map(surface_map.vertex_map)) if surface_map else None
     timings["scoring"] = time.perf_counter() - start
     return {
         "pairs": result.pairs.tolist(),
         "confidence": _numbers(result.confidence),
         "kind": result.kind.tolist(),
-        "direct": _numbers(found["direct"]),
-        "mirrored": _numbers(found["mirrored"]),
-        "heat_difference": found["heat_difference"],
-        "diameter": scored.diameter,
+        "direct": _numbers(scores["direct"]),
+        "mirrored": _numbers(scores["mirrored"]),
+        "heat_difference": scores["heat_difference"],
+        "diameter": scorer.diameter,
         "area": mesh_area(target.whole_mesh),
-        "coverage": found["coverage"],
-        "ranking": found["ranking"],
-        "dense": of_map,
+        "coverage": scores["coverage"],
+        "ranking": scores["ranking"],
+        "dense": dense_record,
         "warnings": list(result.warnings),
         "timings": timings,
     }
 
 
-def _dense(found: dict[str, Any]) -> dict[str, Any]:
-    """What a record keeps of a scored map."""
-    errors = {name: _numbers(found[name]) for name in ("direct", "mirrored")}
-    return {**errors, "unmapped": found["unmapped"]}
+def _dense_record(scores: dict[str, Any]) -> dict[str, Any]:
+    """The entry of a record for a scored dense map."""
+    errors = {name: _numbers(scores[name]) for name in ("direct", "mirrored")}
+    return {**errors, "unmapped": scores["unmapped"]}
 
 
 def score_dense(case: Case, scoring: str, path: Path, index_base: int) -> dict[str, Any]:
-    """Score a dense map that another program made."""
+    """Score a dense map of another program."""
     start = time.perf_counter()
     dense = read_vertices(path, index_base, gaps=True)
     source, target = matchable_mesh(case.source), matchable_mesh(case.target)
-    scored = _scorer(case, source, target, scoring)
-    found = scored.score_map(dense)
+    scorer = _scorer(case, source, target, scoring)
+    scores = scorer.score_map(dense)
     return {
         "pairs": [],
         "confidence": [],
         "kind": [],
         "direct": [],
-        "mirrored": None if found["mirrored"] is None else [],
-        "heat_difference": found["heat_difference"],
-        "diameter": scored.diameter,
+        "mirrored": None if scores["mirrored"] is None else [],
+        "heat_difference": scores["heat_difference"],
+        "diameter": scorer.diameter,
         "area": mesh_area(target),
         "coverage": {},
         "ranking": None,
-        "dense": _dense(found),
+        "dense": _dense_record(scores),
         "warnings": [],
         "timings": {"scoring": time.perf_counter() - start},
     }
@@ -140,12 +140,12 @@ def _scorer(case: Case, source: Mesh, target: Mesh, scoring: str) -> Scorer:
 
 
 def _numbers(values: np.ndarray | None) -> list[float | None] | None:
-    """For JSON, to nine digits; null where there is none."""
+    """Values for JSON with nine digits; None for NaN."""
     return None if values is None else [None if v != v else float(f"{v:.9g}") for v in values.tolist()]
 
 
 def _peak_memory() -> float | None:
-    """The most memory that this process has used, in MB, where the system tells."""
+    """Peak memory of this process in MB; None if the system does not report it."""
     try:
         import resource
     except ImportError:

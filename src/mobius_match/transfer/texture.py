@@ -35,8 +35,8 @@ def repaired_uv(file: Mesh, repaired: Mesh, uv: np.ndarray) -> np.ndarray:
     keys = (repaired.face_ids[:, None] * size + twin[repaired.vertex_ids[repaired.faces]]).ravel()
     order = np.argsort(file_keys, kind="stable")
     corner = order[np.searchsorted(file_keys[order], keys).clip(max=len(order) - 1)]
-    found = np.where((file_keys[corner] == keys)[:, None], uv.reshape(-1, 2)[corner], np.nan)
-    return found.reshape(-1, 3, 2)
+    at_corners = np.where((file_keys[corner] == keys)[:, None], uv.reshape(-1, 2)[corner], np.nan)
+    return at_corners.reshape(-1, 3, 2)
 
 
 def transferred_uv(surface_map: SurfaceMap, source_uv: np.ndarray, target_faces: np.ndarray) -> np.ndarray:

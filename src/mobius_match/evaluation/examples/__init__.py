@@ -1,7 +1,7 @@
-"""Shapes that come with the package: two bodies, each in two poses, and the true map between the poses.
+"""Example shapes of the package: two bodies, each in two poses, and the true map between the poses.
 
-Each pose is a closed surface of genus 0 with about 5,000 vertices, meshed and numbered on its own, in metres,
-with y upward. ``tools/make_shapes.py`` in the source tree made them; ``LICENSE.md`` says from what.
+Each pose is a closed surface of genus 0 with about 5,000 vertices, meshed independently, in metres, with y upward.
+``LICENSE.md`` documents their origin; ``tools/make_shapes.py`` in the source tree generates them.
 """
 
 from __future__ import annotations
@@ -49,26 +49,26 @@ def paths(name: str) -> tuple[Path, Path]:
 
 
 def truth(name: str, mirrored: bool = False, reverse: bool = False) -> tuple[np.ndarray, np.ndarray]:
-    """Where each vertex of one pose lies on the mesh of the other.
+    """The true position of each vertex of one pose on the mesh of the other.
 
-    The point of the body that the vertex is, carried over to the other pose, then moved to the closest point
-    of the mesh there: a distance of the order of what meshing has cut off, far less than an edge.
+    It is the closest point of the mesh to the vertex's point of the body in the other pose. The distance between the
+    two is the error of meshing, much less than an edge.
 
     Parameters
     ----------
     name
         One of `names`.
     mirrored
-        Swap left and right: the opposite point of the body, which is a symmetric one.
+        Exchange left and right: map to the opposite point of the body, which is symmetric.
     reverse
-        From pose 1 to pose 0 instead of from pose 0 to pose 1.
+        Map pose 1 to pose 0 instead of pose 0 to pose 1.
 
     Returns
     -------
     faces : (n,) int64
-        For each of the n vertices of the pose that the map starts from, a face of the other pose's mesh.
+        A face of the other pose's mesh for each of the n vertices.
     barycentric : (n, 3) float64
-        Place on that face, as weights of its vertices in the file's order; none negative, each row's sum 1.
+        Barycentric coordinates in that face, in the file's order of its vertices.
 
     Raises
     ------
@@ -85,7 +85,7 @@ def truth(name: str, mirrored: bool = False, reverse: bool = False) -> tuple[np.
 
 
 def _file(name: str, ending: str) -> Path:
-    """A data file, once the name is known to be good."""
+    """The path of a data file."""
     if name not in names():
         raise SettingsError(f"there is no example called {name!r}; there are {', '.join(names())}")
     return Path(str(resources.files(__name__) / "data" / f"{name}{ending}"))
