@@ -17,11 +17,11 @@ print(mm.quality(dense))
 # %%
 # Position on the source as colour, transferred to the target:
 
-carrier = mm.Transfer(dense)
-source, target = carrier.source, carrier.target
+transfer = mm.Transfer(dense)
+source, target = transfer.source, transfer.target
 low, high = source.vertices.min(axis=0), source.vertices.max(axis=0)
 colours = np.round(255 * (0.15 + 0.8 * (source.vertices - low) / (high - low))).astype(np.uint8)
-carried = carrier.colors(colours)
+carried = transfer.colors(colours)
 
 
 def drawn(mesh, paint):

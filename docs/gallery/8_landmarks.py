@@ -10,8 +10,8 @@ import numpy as np
 
 import mobius_match as mm
 
-carrier = mm.Transfer(mm.match(*mm.examples.paths("person"), seed=0).dense())
-source, target = carrier.source, carrier.target
+transfer = mm.Transfer(mm.match(*mm.examples.paths("person"), seed=0).dense())
+source, target = transfer.source, transfer.target
 
 # %%
 # Three positions on the source are moved to the closest point of the surface, then transferred. The result is exact
@@ -23,8 +23,8 @@ placed = {
     "right hand": source.vertices[source.vertices[:, 0].argmin()],
     "left hand": source.vertices[source.vertices[:, 0].argmax()],
 }
-points, distances = carrier.project(np.array(list(placed.values())))
-places, vertices = carrier.points(points)
+points, distances = transfer.project(np.array(list(placed.values())))
+places, vertices = transfer.points(points)
 for name, place, vertex in zip(placed, places, vertices, strict=True):
     print(f"{name}: vertex {vertex} at {np.round(place, 3)}")
 
