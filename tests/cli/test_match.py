@@ -69,6 +69,31 @@ def test_without_options_a_table_is_printed(mobius, pair):
     assert len(re.findall(r"voted|recovered", ended.out)) == 20
 
 
+def test_output_is_written_in_the_format_that_its_name_says(mobius, pair, tmp_path):
+    ended = mobius("match", *pair[:2], *QUICK, "-o", tmp_path / "a.csv")
+    assert ended.code == 0
+    rows = (tmp_path / "a.csv").read_text().splitlines()
+    assert rows[0].startswith("name,source,target,")
+    assert f"{len(rows) - 1} correspondences written to {tmp_path / 'a.csv'}\n" in ended.err
+    ended = mobius("match", *pair[:2], *QUICK, "-o", tmp_path / "b.mrk.json", "--quiet")
+    assert (ended.code, ended.out, ended.err) == (0, "", "")
+    assert sorted(path.name for path in tmp_path.glob("b*")) == ["b-source.mrk.json", "b-target.mrk.json"]
+
+
+def test_outputs_of_unknown_or_too_small_formats_are_refused_before_any_work(mobius, tmp_path):
+    for output, options, words in (
+        ("a.xlsx", (), (".json", ".csv", ".mrk.json")),
+        ("a", (), (".json", ".csv", ".mrk.json")),
+        ("a.csv", ("--alternatives",), ("--alternatives", "a.csv", "--json")),
+    ):
+        ended = mobius("match", "no.off", "such.off", "-o", tmp_path / output, *options)
+        assert (ended.code, ended.out) == (2, "")
+        assert all(word in ended.err for word in words)
+    ended = mobius("symmetry", "no.off", "-o", tmp_path / "a.csv")
+    assert ended.code == 2
+    assert "a.csv" in ended.err
+
+
 @pytest.mark.parametrize("options", [["--json"], ["-o", "-"], ["-o", "-", "--json"]])
 def test_json_alone_on_standard_output(mobius, pair, options):
     ended = mobius("match", *pair[:2], *QUICK, *options)
