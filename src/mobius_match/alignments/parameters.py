@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from .._core.parameters import AREA, HAND, parameter
+from ..landmarks.parameters import LandmarkParameters
 from ..registration.parameters import RegistrationParameters
 
 
@@ -128,6 +129,7 @@ class SelectionParameters:
 class AlignmentParameters:
     """The constants of all that leads from two prepared surfaces to an alignment."""
 
+    landmarks: LandmarkParameters = LandmarkParameters()
     registration: RegistrationParameters = RegistrationParameters()
     coarse_map: CoarseMapParameters = CoarseMapParameters()
     clusters: ClusterParameters = ClusterParameters()

@@ -101,7 +101,7 @@ def match(
     chosen, target_preparation, of_preparation = settings_used(chosen, first.settings, second.settings)
     constraints, of_landmarks = None, list[str]()
     if landmarks is not None:
-        constraints, of_landmarks = landmark_constraints(landmarks, first, second)
+        constraints, of_landmarks = landmark_constraints(landmarks, first, second, parameters.alignment.landmarks)
     votes = cast_votes(first, second, chosen, progress)
     clock.lap("voting")
     # One BLAS thread: sums must not depend on the number of processors.
