@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from ..errors import FormatError, SettingsError
 from ..mesh import Mesh
@@ -179,6 +178,8 @@ def _in_one_order(source: Landmarks, target: Landmarks, listed: str) -> tuple[li
 
 def _nearest_vertices(points: np.ndarray, mesh: Mesh) -> tuple[np.ndarray, np.ndarray]:
     """The vertices (k,) nearest to points (k, 3), and the rows of points that are off the surface."""
+    from scipy.spatial import cKDTree  # a match without landmarks starts without it
+
     diagonal = float(np.linalg.norm(np.ptp(mesh.vertices, axis=0)))
     # On a coarse mesh the centre of a face is far from its corners.
     corners = mesh.vertices[mesh.faces]
