@@ -70,6 +70,16 @@ def tube(around: int = 24, along: int = 20, radius: float = 1.0, length: float =
     return vertices, np.array(faces)
 
 
+def true_places(name: str, *, mirrored: bool = False, reverse: bool = False) -> np.ndarray:
+    """Where each vertex of a shipped pose lies on the other pose, (n, 3), in the coordinates of the other's file."""
+    import mobius_match as mm
+    from mobius_match.evaluation import examples
+
+    mesh = mm.read_mesh(examples.paths(name)[0 if reverse else 1])
+    faces, barycentric = examples.truth(name, mirrored=mirrored, reverse=reverse)
+    return np.einsum("ijk,ij->ik", mesh.vertices[mesh.faces[faces]], barycentric)
+
+
 def renumbered(arrays: Arrays, seed: int = 0) -> tuple[Arrays, np.ndarray]:
     """The same surface with vertices and faces in another order, and the new number of each old vertex."""
     vertices, faces = arrays

@@ -1,43 +1,36 @@
-"""The ends of limbs, and all likely ways to match them."""
+"""The extremities of a shape (head, hands, feet), and all likely ways to match them."""
 
 import numpy as np
-import pytest
 
 import mobius_match as mm
-from mobius_match.alignments.extremities import LIKELY, MOST, extremities, extremity_matchings, extremity_triplets
-from mobius_match.evaluation import examples
-from tests.shapes import ellipsoid, renumbered
+from mobius_match.alignments.extremities import extremities, extremity_matchings, extremity_triplets
+from mobius_match.alignments.parameters import ExtremityParameters
+from tests.shapes import ellipsoid, renumbered, true_places
+
+PARAMETERS = ExtremityParameters()
 
 
-@pytest.fixture(scope="module")
-def people():
-    return [mm.prepare(path) for path in examples.paths("person")]
-
-
-def true_places(source, target):
+def places_of_samples(source):
     """Where the source's samples belong on the target, (N1, 3)."""
-    mesh = mm.read_mesh(examples.paths("person")[1])
-    faces, barycentric = examples.truth("person")
-    places = np.einsum("ijk,ij->ik", mesh.vertices[mesh.faces[faces]], barycentric)
-    return places[source.mesh.vertex_ids[source.samples]]
+    return true_places("person")[source.mesh.vertex_ids[source.samples]]
 
 
-def test_a_person_has_a_head_two_hands_and_two_feet(people):
-    for person in people:
-        ends = extremities(person)
+def test_a_person_has_a_head_two_hands_and_two_feet(person):
+    for pose in person:
+        ends = extremities(pose, PARAMETERS)
         assert len(ends) == 5
-        apart = person.normalized_distances[np.ix_(ends, ends)][np.triu_indices(5, 1)]
+        apart = pose.normalized_distances[np.ix_(ends, ends)][np.triu_indices(5, 1)]
         assert apart.min() > 0.25
-        central = person.average_distances[ends]
+        central = pose.average_distances[ends]
         assert (np.diff(central) <= 0).all()
-        assert central.min() > np.median(person.average_distances)
+        assert central.min() > np.median(pose.average_distances)
 
 
-def test_the_right_way_to_match_tips_is_among_the_likeliest(people):
-    source, target = people
-    truth, height = true_places(source, target), np.ptp(target.mesh.vertices, axis=0).max()
-    ways = extremity_matchings(source, target)
-    assert 0 < len(ways) <= LIKELY
+def test_the_right_matching_of_extremities_is_among_the_likeliest(person):
+    source, target = person
+    truth, height = places_of_samples(source), np.ptp(target.mesh.vertices, axis=0).max()
+    ways = extremity_matchings(source, target, PARAMETERS)
+    assert 0 < len(ways) <= PARAMETERS.likely
     apart = [
         np.linalg.norm(target.mesh.vertices[target.samples[way[:, 1]]] - truth[way[:, 0]], axis=1).max() / height
         for way in ways
@@ -49,11 +42,11 @@ def test_the_right_way_to_match_tips_is_among_the_likeliest(people):
         assert len(set(way[:, 0])) == len(set(way[:, 1])) == len(way)
 
 
-def test_three_of_the_matched_tips_tell_where_all_samples_go(people):
-    source, target = people
-    truth, height = true_places(source, target), np.ptp(target.mesh.vertices, axis=0).max()
+def test_three_matched_extremities_place_all_samples(person):
+    source, target = person
+    truth, height = places_of_samples(source), np.ptp(target.mesh.vertices, axis=0).max()
     errors = []
-    for pairs, triplet_weights in extremity_triplets(source, target):
+    for pairs, triplet_weights in extremity_triplets(source, target, PARAMETERS):
         assert len(pairs) == len(triplet_weights)
         best = pairs[triplet_weights.argmax()]
         paired = np.flatnonzero(best >= 0)
@@ -62,20 +55,15 @@ def test_three_of_the_matched_tips_tell_where_all_samples_go(people):
     assert min(errors) < 0.1
 
 
-def test_numbers_of_vertices_do_not_matter(people):
-    source, _ = people
-    copy, new = renumbered((source.mesh.vertices, source.mesh.faces))
-    other = mm.prepare(copy)
-    here, there = (
-        set(map(tuple, one.mesh.vertices[one.samples[extremities(one)]].round(6)))
-        for one in (mm.prepare(source), other)
-    )
-    assert here == there
-    assert len(new) == len(source.mesh.vertices)
+def test_the_numbering_of_the_vertices_does_not_matter(person):
+    mesh = person[0].mesh
+    copy, new = renumbered((mesh.vertices, mesh.faces))
+    surfaces = mm.prepare(mesh), mm.prepare(copy)
+    here, there = (surface.samples[extremities(surface, PARAMETERS)] for surface in surfaces)
+    np.testing.assert_array_equal(new[here], there)
 
 
-def test_what_has_fewer_than_three_tips_has_no_groups():
+def test_fewer_than_three_extremities_give_no_triplets():
     cigar = mm.prepare(ellipsoid((1.0, 1.0, 4.0)))
-    assert 0 < len(extremities(cigar)) <= MOST
-    assert len(extremities(cigar)) == 2
-    assert extremity_triplets(cigar, cigar) == []
+    assert len(extremities(cigar, PARAMETERS)) == 2
+    assert extremity_triplets(cigar, cigar, PARAMETERS) == []

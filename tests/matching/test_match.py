@@ -6,7 +6,6 @@ import pytest
 import mobius_match as mm
 from mobius_match.evaluation import examples
 from mobius_match.geometry.geodesics import geodesic_solver
-from mobius_match.settings import make_settings
 from tests.shapes import bent, grid, lump, renumbered, rotation, tube
 
 PAPER = {"preset": "paper", "votes": 300_000, "samples": 30}
@@ -64,11 +63,10 @@ def test_surfaces_with_boundaries_find_their_copy(shape):
 
 
 @pytest.mark.parametrize("name", examples.names())
-def test_shipped_pairs_reach_their_floor(name):
-    """Other poses, other triangulations: errors per diameter against the exact truth."""
-    source, target = examples.paths(name)
-    result = mm.match(source, target, seed=0)
-    mesh = mm.read_mesh(target)
+def test_shipped_pairs_have_small_errors(shipped_match, name):
+    """Other poses, other triangulations: geodesic errors per diameter against the exact truth."""
+    result = shipped_match(name)
+    mesh = result.target.mesh
     faces, barycentric = examples.truth(name)
     solver = geodesic_solver(mesh.vertices, mesh.faces)
     errors = []
@@ -81,12 +79,14 @@ def test_shipped_pairs_reach_their_floor(name):
 
 
 @pytest.mark.parametrize("options", [{}, {"preset": "paper", "votes": 60_000}])
-def test_same_seed_same_result_whatever_the_threads(options):
-    pair = examples.paths("quadruped")
-    surfaces = [mm.prepare(path, preset=options.get("preset")) for path in pair]
+def test_same_seed_same_result_whatever_the_threads(quadruped, options):
+    surfaces = quadruped
+    if options:
+        surfaces = [mm.prepare(surface.mesh, preset=options["preset"]) for surface in quadruped]
     results = [mm.match(*surfaces, seed=5, jobs=jobs, **options) for jobs in (1, 2, 1, 3)]
-    fresh = mm.match(*pair, seed=5, jobs=2, **options) if not options else results[0]
-    for other in (*results[1:], fresh):
+    if not options:
+        results.append(mm.match(*examples.paths("quadruped"), seed=5, jobs=2))
+    for other in results[1:]:
         np.testing.assert_array_equal(results[0].pairs, other.pairs)
         np.testing.assert_array_equal(results[0].confidence, other.confidence)  # to the last bit
         np.testing.assert_array_equal(results[0].kind, other.kind)
@@ -94,7 +94,7 @@ def test_same_seed_same_result_whatever_the_threads(options):
     assert (different.votes.matrix != results[0].votes.matrix).any()
 
 
-def test_numbers_are_the_users_own():
+def test_vertex_numbers_are_those_of_the_input():
     """Unused vertices in front shift every number by as many."""
     shape = lump(3)
     result = mm.match(shape, shape, samples=30)
@@ -115,23 +115,22 @@ def test_anything_with_vertices_and_faces_will_do():
 
 
 def test_nothing_found_says_what_to_do():
-    with pytest.raises(mm.NothingFoundError, match=r"50 triplets.*min-fraction"):
+    with pytest.raises(mm.NothingFoundError, match=r"50 triplets.*`min_fraction`"):
         mm.match(lump(2), tube(), preset="paper", votes=50, min_fraction=1.0, samples=30)
 
 
 @pytest.mark.parametrize("spacing", [0.0, 0.025, 0.06, 0.2])
-def test_matches_between_the_samples_keep_their_distance(spacing):
-    shapes = [mm.prepare(path) for path in examples.paths("person")]
-    result, few = (mm.match(*shapes, threshold=0.0, spacing=one) for one in (spacing, 0.2))
-    source = shapes[0]
+def test_matches_between_the_samples_keep_their_distance(person, spacing):
+    result, few = (mm.match(*person, threshold=0.0, spacing=one) for one in (spacing, 0.2))
+    source = person[0]
     sampled = np.isin(result.pairs[:, 0], source.mesh.vertex_ids[source.samples])
     assert np.isin(few.pairs[:, 0], source.mesh.vertex_ids[source.samples]).all()
-    # None of the samples is given up, but for another that is surer of the same vertex of the target.
+    # No sample is left out, unless a match of higher confidence has the same vertex of the target.
     assert sampled.sum() >= 0.95 * len(few)
     places = np.searchsorted(source.proxy, np.searchsorted(source.mesh.vertex_ids, result.pairs[:, 0]))
     ways = source.proxy_geodesics[np.ix_(places, places)] + np.diag(np.full(len(places), np.inf))
     assert (ways[~sampled] >= spacing).all()
-    # As many as find room: each vertex of the proxy that was left out lies close to one that was not.
+    # As many as there is room for: each vertex of the proxy without a match lies close to one with a match.
     left = np.setdiff1d(np.arange(len(source.proxy)), places)
     if spacing:
         assert (source.proxy_geodesics[np.ix_(left, places)].min(axis=1) < spacing + 0.02).all()
@@ -140,17 +139,17 @@ def test_matches_between_the_samples_keep_their_distance(spacing):
 
 
 def test_no_match_that_is_likely_says_what_to_do():
-    with pytest.raises(mm.NothingFoundError, match=r"likely enough.*--threshold"):
+    with pytest.raises(mm.NothingFoundError, match=r"likely enough.*`threshold`"):
         mm.match(lump(3), tube(), threshold=1.0)
 
 
-def test_alternatives_without_a_likely_match_are_told_without_matches():
-    """Asked for with a threshold that no match reaches."""
-    result = mm.match(*examples.paths("person"))
-    assert all(len(one.pairs) > 0 for one in result.alternatives)
-    *surfaces_and_votes, _ = result._make_alternatives.args
-    unlikely = result._make_alternatives.func(*surfaces_and_votes, make_settings(threshold=1.0))
-    assert [len(one.pairs) for one in unlikely] == [0] * len(result.alternatives) != []
+def test_alternatives_without_a_likely_match_are_empty(person, shipped_match):
+    """With a threshold that the most confident match of the chosen alignment reaches, and none of the alternative's."""
+    usual = shipped_match("person")
+    assert [len(one.pairs) > 0 for one in usual.alternatives] == [True]
+    result = mm.match(*person, seed=0, threshold=float(usual.confidence.max()))
+    assert len(result) > 0
+    assert [len(one.pairs) for one in result.alternatives] == [0]
 
 
 def test_small_meshes_use_all_their_vertices_and_say_so():
@@ -168,7 +167,7 @@ def test_tiny_and_huge_units_do_not_matter():
         assert scaled.source_info["area"] == pytest.approx(scale**2 * reference.source_info["area"], rel=1e-6)
 
 
-def test_progress_is_told_from_start_to_end():
+def test_progress_is_reported_from_start_to_end():
     calls = []
     mm.match(lump(2), lump(2), progress=lambda *call: calls.append(call))
     stages = [stage for stage, _, _ in calls]

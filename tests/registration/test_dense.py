@@ -1,28 +1,30 @@
-"""Dense maps of copies: renumbered, turned, scaled and triangulated anew, they give the identity."""
+"""Dense maps of copies: renumbered, rotated, scaled and remeshed, they give the identity."""
 
 import numpy as np
 import pytest
-from mobius_match.registration.register import register
 
 import mobius_match as mm
 from mobius_match.alignments.alignment import Alignment
 from mobius_match.alignments.dense import dense_map_of_alignment
-from mobius_match.evaluation import examples
+from mobius_match.alignments.parameters import AlignmentParameters
 from mobius_match.evaluation.quality import isometric_distance, quality
 from mobius_match.mesh.topology import edges_of
 from mobius_match.registration.dense import dense_map
-from tests.shapes import lump, rotation
+from mobius_match.registration.sparse import register
+from tests.shapes import lump, rotation, true_places
+
+PARAMETERS = AlignmentParameters()
 
 
 @pytest.fixture(scope="module")
-def surface():
-    return mm.prepare(lump(4))
+def surface(lump_surface):
+    return lump_surface
 
 
 @pytest.fixture(scope="module")
-def short_and_long():
+def short_and_long(person):
     """The person with legs of half their length, and the person."""
-    long = mm.prepare(examples.paths("person")[0])
+    long = person[0]
     vertices, faces = long.mesh.vertices.copy(), long.mesh.faces
     up = np.ptp(vertices, axis=0).argmax()
     hip = vertices[:, up].min() + 0.45 * np.ptp(vertices[:, up])
@@ -30,7 +32,7 @@ def short_and_long():
     return mm.prepare((vertices, faces)), long
 
 
-def test_a_turned_scaled_and_renumbered_copy_gives_the_identity(surface):
+def test_a_rotated_scaled_and_renumbered_copy_gives_the_identity():
     vertices, faces = lump(4)
     order = np.random.default_rng(0).permutation(len(vertices))
     number = np.argsort(order)
@@ -48,20 +50,20 @@ def test_another_triangulation_gives_the_identity_to_within_an_edge(surface):
     other = mm.prepare((middle, cut))
     ends = vertices[np.searchsorted(np.arange(len(vertices)), surface.proxy)]
     image = np.linalg.norm(other.mesh.vertices[:, None] - ends, axis=2).argmin(axis=0)
-    found = dense_map(surface, other, register(surface, other, image))
+    found = dense_map(
+        surface,
+        other,
+        register(surface, other, image, PARAMETERS.registration),
+        PARAMETERS.registration,
+    )
     edge = np.linalg.norm(np.diff(vertices[edges_of(faces)], axis=1), axis=2).mean()
     assert np.linalg.norm(found.positions - vertices, axis=1).max() < edge
     assert np.linalg.norm(found.inverse.positions - middle, axis=1).max() < edge
 
 
-def test_another_pose_is_mapped_as_it_is_known_to_be():
-    source, target = examples.paths("person")
-    result = mm.match(source, target, seed=0)
-    found = result.dense()
-    faces, barycentric = examples.truth("person")
-    mesh = found.target
-    places = np.einsum("ijk,ij->ik", mesh.vertices[mesh.faces[faces]], barycentric)
-    apart = np.linalg.norm(found.positions - places, axis=1) / np.sqrt(result.target.area)
+def test_another_pose_is_mapped_to_its_true_places(person, shipped_dense):
+    found = shipped_dense("person")
+    apart = np.linalg.norm(found.positions - true_places("person"), axis=1) / np.sqrt(person[1].area)
     assert apart.mean() < 0.015
     assert np.mean(apart < 0.05) > 0.97
     report = quality(found)
@@ -72,8 +74,8 @@ def test_another_pose_is_mapped_as_it_is_known_to_be():
     assert isometric_distance(found) == pytest.approx(isometric_distance(found.inverse))
 
 
-def test_the_slimmer_surface_is_bent_onto_the_other(short_and_long):
-    """The person with legs of half their length, to the person: its feet are not drawn over the shins."""
+def test_the_slimmer_surface_is_deformed_onto_the_other(short_and_long):
+    """The person with legs of half their length, to the person: its feet are not stretched over the shins."""
     short, long = short_and_long
     found = mm.match(short, long, seed=0, jobs=1).dense()
     assert np.linalg.norm(found.positions - long.mesh.vertices, axis=1).mean() < 0.03 * np.sqrt(long.area)
@@ -81,16 +83,16 @@ def test_the_slimmer_surface_is_bent_onto_the_other(short_and_long):
     assert np.linalg.norm(back.positions - long.mesh.vertices, axis=1).mean() < 0.03 * np.sqrt(long.area)
 
 
-def test_the_other_is_bent_from_where_the_first_has_come_to_lie(short_and_long):
-    """Not from the explanation, which may have torn off an arm that the bending put right."""
+def test_the_reverse_registration_begins_with_the_forward_one(short_and_long):
+    """Not with the alignment's image, which may have torn off an arm that the registration put right."""
     short, long = short_and_long
-    good = register(short, long, short.proxy)
+    good = register(short, long, short.proxy, PARAMETERS.registration)
     astray = Alignment(np.roll(short.proxy, 300), {}, 0.0, 1.0, registration=good)
-    found = dense_map_of_alignment(short, long, astray)
+    found = dense_map_of_alignment(short, long, astray, PARAMETERS)
     assert np.linalg.norm(found.positions - long.mesh.vertices, axis=1).mean() < 0.03 * np.sqrt(long.area)
 
 
-def test_edges_are_given_once():
+def test_each_edge_is_listed_once():
     np.testing.assert_array_equal(edges_of(np.array([[2, 0, 1], [1, 3, 2]])), [[0, 1], [0, 2], [1, 2], [1, 3], [2, 3]])
 
 

@@ -18,6 +18,7 @@ from mobius_match.errors import SettingsError
 from mobius_match.evaluation import examples
 from mobius_match.surface import cache, storage
 from mobius_match.surface import prepare as preparing
+from mobius_match.surface.parameters import SurfaceParameters
 from tests.shapes import lump, renumbered
 
 QUICK = {"samples": 30, "votes": 2000}
@@ -92,12 +93,12 @@ def test_the_path_is_the_one_given_now(meshes, prepared, tmp_path):
 
 
 def test_a_name_for_all_that_a_surface_is_made_from(monkeypatch):
-    def name(mesh="a.off", sha256="0" * 64, **settings):
-        return cache._path(Path(mesh), sha256, mm.PrepareSettings(**settings)).name
+    def name(mesh="a.off", sha256="0" * 64, parameters=SurfaceParameters(), **settings):
+        return cache._path(Path(mesh), sha256, mm.PrepareSettings(**settings), parameters).name
 
     assert name() == name("b/other.OFF")
     names = [name(), name("a.stl"), name(sha256="1" * 64), name(samples=99), name(geodesics="dijkstra")]
-    names += [name(triangulation="mesh"), name(placement="closest")]
+    names += [name(triangulation="mesh"), name(placement="closest"), name(parameters=SurfaceParameters(proxy_size=9))]
     program = cache._program()
     monkeypatch.setattr(cache, "_program", lambda: program[::-1])
     names.append(name())

@@ -23,7 +23,8 @@ def surface(large):
 
 def test_a_small_mesh_is_left_alone():
     mesh = Mesh(*lump(3))
-    assert simplified(mesh, 600) == (mesh, None)
+    assert simplified(mesh, 600, 1.5) == (mesh, None)
+    assert simplified(mesh, 600, 1.0)[1] is not None
 
 
 def test_where_the_users_vertices_lie(surface):
