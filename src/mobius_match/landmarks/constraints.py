@@ -121,8 +121,8 @@ class LandmarkConstraints:
         self, source: Surface, target: Surface, source_vertices: np.ndarray, target_vertices: np.ndarray
     ) -> np.ndarray:
         """Mean difference (q1, q2) per sqrt(area) between vertices' (q1,), (q2,) distances from the landmarks."""
-        normalized1 = self.distances[0][:, source_vertices] / np.sqrt(source.area)
-        normalized2 = self.distances[1][:, target_vertices] / np.sqrt(target.area)
+        normalized1 = self.distances[0][:, source_vertices] / source.scale
+        normalized2 = self.distances[1][:, target_vertices] / target.scale
         total = np.zeros((len(source_vertices), len(target_vertices)))
         for distances1, distances2 in zip(normalized1, normalized2, strict=True):
             total += np.abs(distances1[:, None] - distances2)
@@ -140,8 +140,8 @@ class LandmarkConstraints:
         """
         landmarks, rows = np.arange(len(self.distances[0])), self.proxy_rows[0][: len(self.distances[0])]
         # The map is known at the nearest vertex of the proxy, so its distance from the landmark is no displacement.
-        tolerance = self.distances[0][landmarks, source.proxy[rows]] / np.sqrt(source.area)
-        return np.maximum(self.distances[1][landmarks, image[rows]] / np.sqrt(target.area) - tolerance, 0.0)
+        tolerance = self.distances[0][landmarks, source.proxy[rows]] / source.scale
+        return np.maximum(self.distances[1][landmarks, image[rows]] / target.scale - tolerance, 0.0)
 
     def point_constraints(self, source: Surface, target: Surface, positions: np.ndarray) -> PointConstraints:
         """The landmarks as constraints in the registration of the source's proxy.
@@ -153,7 +153,7 @@ class LandmarkConstraints:
         positions
             (n2, 3) of the target's vertices, in the coordinates of the registration.
         """
-        rest = source.mesh.vertices / np.sqrt(source.area)
+        rest = source.mesh.vertices / source.scale
         # Of two landmarks at one vertex of the proxy the first counts.
         rows, first = np.unique(self.proxy_rows[0], return_index=True)
         source_vertices, target_vertices = (vertices[first] for vertices in self.vertices)
@@ -164,7 +164,7 @@ class LandmarkConstraints:
         """A warning about the landmark whose distances from most others differ most, if they differ much."""
         count = len(self.distances[0])
         between1, between2 = (
-            distances[:, vertices[:count]] / np.sqrt(surface.area)
+            distances[:, vertices[:count]] / surface.scale
             for distances, vertices, surface in zip(self.distances, self.vertices, (source, target), strict=True)
         )
         others = ~np.eye(count, dtype=bool)
@@ -234,7 +234,7 @@ def landmark_constraints(
 
 def _distances(surface: Surface, vertices: np.ndarray) -> np.ndarray:
     """Geodesic distances (h, n) float32 from vertices (h,), in the units of the mesh."""
-    mesh, scale = surface.mesh, np.sqrt(surface.area)
+    mesh, scale = surface.mesh, surface.scale
     positions = (mesh.vertices - mesh.vertices.mean(axis=0)) / scale  # far from overflow, as in preparation
     solve = geodesic_solver(positions, mesh.faces, surface.settings.geodesics)
     return np.stack([solve(int(vertex)) * scale for vertex in vertices]).astype(np.float32)

@@ -43,7 +43,7 @@ def dense_map(
         Whether the source covers the target. If not, what lies beyond its boundary has no counterpart.
     """
     deformed, deformed_normals = register_vertices(source, target, registration, parameters, whole)
-    mesh1, mesh2, scale = source.mesh, target.mesh, np.sqrt(target.area)
+    mesh1, mesh2, scale = source.mesh, target.mesh, target.scale
     normals, weight = vertex_normals(mesh2.vertices / scale, mesh2.faces), parameters.of_vertices.normal
     first = np.hstack([deformed / scale, weight * deformed_normals])
     second = np.hstack([mesh2.vertices / scale, weight * normals])
@@ -88,7 +88,7 @@ def register_vertices(
         (n1, 3) float64 each: of the source's vertices, in the target's coordinates.
     """
     weights = parameters.of_vertices
-    scale1, scale2 = np.sqrt(source.area), np.sqrt(target.area)
+    scale1, scale2 = source.scale, target.scale
     rest, there = source.mesh.vertices / scale1, target.mesh.vertices / scale2
     normals1, normals2 = vertex_normals(rest, source.mesh.faces), vertex_normals(there, target.mesh.faces)
     positions, rotations = _carried(

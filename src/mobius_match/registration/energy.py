@@ -90,7 +90,7 @@ def deformation_graph(source: Surface) -> DeformationGraph:
     """The graph of the source's proxy; kept, since a source is deformed along several alignments."""
     graph = _graphs.get(source)
     if graph is None:
-        rest = source.mesh.vertices[source.proxy] / np.sqrt(source.area)
+        rest = source.mesh.vertices[source.proxy] / source.scale
         graph = _graphs[source] = DeformationGraph(rest, source.proxy_edges)
     return graph
 

@@ -85,8 +85,8 @@ def register(
     """
     schedule = schedule or parameters.full
     weights = weights or (parameters.similar if whole else parameters.partial)
-    centre, scale = target.mesh.vertices.mean(axis=0), np.sqrt(target.area)
-    rest, there = source.mesh.vertices / np.sqrt(source.area), (target.mesh.vertices - centre) / scale
+    centre, scale = target.mesh.vertices.mean(axis=0), target.scale
+    rest, there = source.mesh.vertices / source.scale, (target.mesh.vertices - centre) / scale
     normals1 = vertex_normals(rest, source.mesh.faces)[source.proxy]
     normals2 = vertex_normals(there, target.mesh.faces)
     n_spectral = target.eigenfunctions.shape[1] if whole else 0
@@ -152,7 +152,7 @@ def register_coarsely(
 
 def is_discontinuous(source: Surface, target: Surface, image: np.ndarray, tolerance: float) -> bool:
     """Whether a map of the source's proxy to target vertices (P1,) tears pieces off; tolerance per sqrt(area)."""
-    images = target.mesh.vertices[image] / np.sqrt(target.area)
+    images = target.mesh.vertices[image] / target.scale
     return not deformation_graph(source).continuous(images, tolerance).all()
 
 

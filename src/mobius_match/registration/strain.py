@@ -17,7 +17,7 @@ def edge_stretches(source: Surface, target: Surface, registration: Registration)
     start, end = source.proxy_edges.T
     rest, deformed = source.mesh.vertices[source.proxy], registration.positions
     before, after = (np.linalg.norm(points[start] - points[end], axis=1) for points in (rest, deformed))
-    return np.asarray(np.log((after / np.sqrt(target.area) + NO_LENGTH) / (before / np.sqrt(source.area) + NO_LENGTH)))
+    return np.asarray(np.log((after / target.scale + NO_LENGTH) / (before / source.scale + NO_LENGTH)))
 
 
 def mean_stretch(source: Surface, target: Surface, registration: Registration) -> float:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import cached_property
 from typing import Any
 
@@ -111,6 +111,11 @@ class Surface:
         return html_table(f"Prepared surface {shortened(self.mesh.name)}", (), rows, notes=self.notes)
 
     @property
+    def scale(self) -> np.float64:
+        """The length that coordinates and distances are divided by: sqrt(area)."""
+        return np.float64(np.sqrt(self.area))
+
+    @property
     def whole_mesh(self) -> Mesh:
         """The repaired mesh with all of the user's vertices."""
         return self.mesh if self.detail is None else self.detail.mesh
@@ -136,7 +141,7 @@ class Surface:
     @property
     def normalized_distances(self) -> np.ndarray:
         """Geodesic distances between the samples per sqrt(area), (N, N)."""
-        return self.distances / np.sqrt(self.area)
+        return self.distances / self.scale
 
     @property
     def average_distances(self) -> np.ndarray:
@@ -169,13 +174,13 @@ class Surface:
     def proxy_geodesics(self) -> np.ndarray:
         """Geodesic distances (P, P) per sqrt(area) along the proxy's edges; infinite beyond the largest spacing."""
         graph = graph_of(self.mesh.vertices[self.proxy], self.proxy_edges)
-        graph.data /= np.sqrt(self.area)
+        graph.data /= self.scale
         return np.asarray(dijkstra(graph, directed=False, limit=LARGEST_SPACING))
 
     @cached_property
     def nearest_proxy(self) -> np.ndarray:
         """(n,) int64: place in ``proxy`` of the vertex that is nearest to each vertex of the mesh, along edges."""
-        return nearest_centres(self.mesh.vertices / np.sqrt(self.area), self.mesh.faces, self.proxy)
+        return nearest_centres(self.mesh.vertices / self.scale, self.mesh.faces, self.proxy)
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write the surface to a file; an existing one is replaced at once or not at all.
@@ -207,3 +212,26 @@ class Surface:
             If the file cannot be read or is none of this version.
         """
         return cls(**load_fields(path))
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class PartialSurface(Surface):
+    """A part of a larger surface: its lengths are divided by sqrt(area) of the whole, not of the part.
+
+    Parameters
+    ----------
+    whole_area
+        Area of the whole in the units of the part.
+    """
+
+    whole_area: float
+
+    @classmethod
+    def of(cls, surface: Surface, whole_area: float) -> PartialSurface:
+        """A surface as a part of another one."""
+        return cls(**{one.name: getattr(surface, one.name) for one in fields(Surface)}, whole_area=whole_area)
+
+    @property
+    def scale(self) -> np.float64:
+        """The length that coordinates and distances are divided by."""
+        return np.float64(np.sqrt(self.whole_area))
