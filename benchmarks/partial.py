@@ -59,54 +59,54 @@ CUTS: tuple[Cut, ...] = (
 
 SETS = ("tosca", "faust")
 
-TASKS = ("part to another pose", "another pose to part", "part to the same shape")
+TASKS = ("part to another pose", "another pose to part", "part to its own shape")
 
 HEADING = """# Partial shapes
 
-Shapes cut by a plane, of which the largest piece on one side is kept, matched at default settings with whole shapes:
-in another pose, both ways round, and with the shape that it was cut from. A part consists of whole faces of the
-original, so its true points are known.
+Shapes are cut by a plane, and the largest piece on one side is kept. This part is matched, with default settings, to
+whole shapes: in another pose, in both directions, and to the shape that it was cut from. A part consists of whole faces
+of the original shape, so its true correspondences are known.
 
-Three figures a task: how many **matches** are reported; the share of them that is **right**, within 5 % of the
-diameter of the whole target (geodesic, heat method); and how many are on the **missing** part: their true place on the
-shape that was cut is farther than 5 % of its diameter from what was kept. There should be none of these. (Where known
-points of both lie within 1 % of the diameter, as where the lists give one vertex to a hand and to the hip that it
-touches, the place counts as kept.)
-For matches to a part, the true place and the error are those on the shape that it was cut from. In the last line of a
-table matches and right are means over the tasks that have matches, missing is the sum.
+Each task has three figures: the number of reported **matches**; the share of them that is **right**, within 5 % of the
+diameter of the whole target (geodesic distance, heat method); and the number of matches on the **missing** part, which
+should be 0. A match is on the missing part if its true place on the shape that was cut is farther than 5 % of the
+diameter from what was kept. (The lists of true correspondences give one vertex to a hand and to the hip that it
+touches. So a place counts as kept if any known point within 1 % of the diameter is.)
+For matches to a part, the true place and the error are measured on the shape that it was cut from. In the last line of
+a table, matches and right are means over the tasks that have matches, and missing is the sum.
 
-Nothing is told of the units of the files: the program looks for the size at which the part fits best.
-No match is reported within 3.5 % of sqrt(area) of the cut, where a small slip already leads beyond it.
+The units of the files are not given to the program: it searches for the size at which the part fits best.
+No match is reported within 3.5 % of sqrt(area) of the cut, because a small error there already leads beyond it.
 """
 
 CHOSEN = """
 ## Chosen cuts
 
-The numbers in the program that judge a place were chosen with an eye on these.
+The constants that select a placement were chosen by hand on these cuts.
 
 """
 
 FRESH = """
-## Fresh cuts, seed {seed}
+## Random cuts, seed {seed}
 
-{count} pairs drawn at random from those not above, the first shape of each cut in half by a plane through the mean of
-its vertices in a direction drawn at random. No match: the program says that none is likely enough to be right.{more}
+{count} pairs are drawn at random from those not above. The first shape of each is cut in half by a plane through the
+mean of its vertices, in a random direction. "No match" means that the program ends with the message that no match is
+likely enough to be right.{more}
 
 """
 
 MORE = {
-    0: """ What went
-wrong with some of these led to changes of the program; its numbers were fitted to cuts of other seeds (1, 3 and 4).""",
+    0: """ Failures on some of these led to changes of the program. The probability of a match was fitted on cuts of
+other seeds (`benchmarks/fit_partial.py`).""",
     2: """
-Nothing in the program was changed after a look at these.""",
+These cuts were only used to check that fewer constants give the same quality.""",
 }
-"""What else is to be known of the cuts of a seed."""
+"""Which decisions were made on the cuts of a seed."""
 
 UNITS = """
 ## Other units
 
-The first {count} fresh cuts of seed {seed} once more, the parts in units of which a thousand make one of their wholes',
-as are millimetres and metres.
+The first {count} random cuts of seed {seed} again. The parts are given in millimetres and the wholes in metres.
 
 """
 FACTOR = 1000.0
@@ -131,16 +131,13 @@ class Part:
         return dijkstra(graph, directed=False, indices=self.kept, min_only=True) / cached_diameter(self.whole, "heat")
 
 
-def measure(part: Part, other: mm.Surface, case: Case, reverse: bool) -> dict[str, float] | None:
-    """Match a part with a whole shape and measure, on the whole meshes; None where nothing is found.
+def judged(
+    part: Part, other: mm.Surface, case: Case, pairs: np.ndarray, reverse: bool
+) -> tuple[np.ndarray, np.ndarray]:
+    """Which pairs (q, 2) are right, and which are on the missing part, (q,) bool each; on the whole meshes.
 
     The truth of the case leads from the whole of the part to the other shape.
     """
-    try:
-        order = (other, part.surface) if reverse else (part.surface, other)
-        pairs = mm.match(*order).pairs
-    except mm.NothingFoundError:
-        return None
     mine, theirs = pairs[:, ::-1].T if reverse else pairs.T
     mine = part.kept[mine]
     truth = case.truth
@@ -149,22 +146,30 @@ def measure(part: Part, other: mm.Surface, case: Case, reverse: bool) -> dict[st
         found = errors(back, other.mesh, part.whole, np.stack([theirs, mine], axis=1))
     else:
         found = errors(case, part.whole, other.mesh, np.stack([mine, theirs], axis=1))
-    # Lists name places where a hand touches a hip for both, so what is missing must be so for all points close by.
+    # The lists give one vertex to a hand and to the hip that it touches. So a point is missing if all points of the
+    # truth close to it are.
     graph = edge_graph(other.mesh.vertices, other.mesh.faces)
     apart = dijkstra(graph, directed=False, indices=theirs)[:, truth.target]
     close = apart <= np.maximum(apart.min(axis=1, keepdims=True), CLOSE * cached_diameter(other.mesh, "heat"))
     gaps = np.where(close, part.gaps[truth.source], np.inf).min(axis=1)
-    return {
-        "matches": len(pairs),
-        "right": float((found["direct"] <= NEAR).mean()),
-        "missing": int((gaps > NEAR).sum()),
-    }
+    return found["direct"] <= NEAR, gaps > NEAR
 
 
-def run_cut(
+def measure(part: Part, other: mm.Surface, case: Case, reverse: bool) -> dict[str, float] | None:
+    """Match a part with a whole shape and measure; None where nothing is found. See :func:`judged`."""
+    try:
+        order = (other, part.surface) if reverse else (part.surface, other)
+        pairs = mm.match(*order).pairs
+    except mm.NothingFoundError:
+        return None
+    right, missing = judged(part, other, case, pairs, reverse)
+    return {"matches": len(pairs), "right": float(right.mean()), "missing": int(missing.sum())}
+
+
+def prepared_cut(
     case: Case, normal: tuple[float, float, float], offset: float, prepared: dict[Path, mm.Surface], factor: float
-) -> Any:
-    """The share of the area that is left, and the figures of each task; the part is made that many times larger."""
+) -> tuple[Part, mm.Surface, mm.Surface]:
+    """The part, made that many times larger, the whole that it was cut from, and the other shape."""
     for path in (case.source, case.target):
         if path not in prepared:
             prepared[path] = mm.prepare(path)
@@ -172,7 +177,14 @@ def run_cut(
                 raise mm.FormatError(f"{path}: needs repair, and is no shape that these cuts were made for")
     whole, other = prepared[case.source], prepared[case.target]
     vertices, faces, kept = cut(whole.mesh.vertices, whole.mesh.faces, normal, offset)
-    part = Part(mm.prepare((factor * vertices, faces)), kept, whole.mesh)
+    return Part(mm.prepare((factor * vertices, faces)), kept, whole.mesh), whole, other
+
+
+def run_cut(
+    case: Case, normal: tuple[float, float, float], offset: float, prepared: dict[Path, mm.Surface], factor: float
+) -> Any:
+    """The share of the area that is left, and the figures of each task; the part is made that many times larger."""
+    part, whole, other = prepared_cut(case, normal, offset, prepared, factor)
     same = np.arange(len(whole.mesh.vertices))
     itself = Case(case.name, case.category, case.source, case.source, Truth(same, same))
     return part.surface.area / whole.area / factor**2, [

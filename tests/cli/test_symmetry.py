@@ -8,7 +8,7 @@ import pytest
 import trimesh
 from scipy.spatial import cKDTree
 
-from mobius_match.matching.symmetry.symmetry import HARDLY
+from mobius_match.matching.symmetry.parameters import SymmetryParameters
 
 QUICK = ("--samples", 60, "--votes", 6000)
 
@@ -72,7 +72,7 @@ def test_a_shape_without_symmetry_is_told(mobius, pair):
     if ended.code == 4:
         assert "no mirror symmetry" in ended.err
     else:
-        assert json.loads(ended.out)["score"] < HARDLY
+        assert json.loads(ended.out)["score"] < SymmetryParameters().low_score
         assert "hardly symmetric" in ended.err
 
 

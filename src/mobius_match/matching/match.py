@@ -27,8 +27,9 @@ from ..surface.prepared import check_effective, settings_used
 from ..surface.surface import Surface
 from ..voting.votes import Votes, cast_votes
 from .parameters import Parameters
-from .partial.part import Coverage, PartMatch, coverage_of_pair, match_part
-from .partial.place import OPEN, boundary_length
+from .partial.coverage import Coverage
+from .partial.matches import boundary_length
+from .partial.part import PartMatch, coverage_of_pair, match_part
 from .reading import aligned_matches, dense_map_of_part, dense_map_of_whole, part_matches, voted_matches
 
 
@@ -226,14 +227,22 @@ def align(
     """
     if settings.proposal != "guided":
         return Outcome(votes, Coverage.WHOLE)
-    part, notes = match_part(source, target, settings.seed, settings.jobs, constraints)
+    part, notes = match_part(
+        source,
+        target,
+        parameters.partial,
+        parameters.alignment.registration,
+        settings.seed,
+        settings.jobs,
+        constraints,
+    )
     candidates: list[Alignment] = []
-    if part is None or boundary_length(part.whole) > OPEN:
+    if part is None or boundary_length(part.whole) > parameters.partial.opening:
         votes, candidates = alignments_with_landmarks(
             source, target, votes, settings, parameters.alignment, constraints
         )
     cost = candidates[0].cost if candidates else None
-    coverage, notes = coverage_of_pair(source, target, part, notes, cost)
+    coverage, notes = coverage_of_pair(source, target, part, notes, cost, parameters.partial)
     if coverage is Coverage.PART:
         return Outcome(votes, coverage, part=part, notes=notes)
     alignments = rerank_by_registration(source, target, candidates, parameters.alignment, settings.jobs)

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from .._core.parameters import HAND, parameter
 from ..alignments.parameters import AlignmentParameters
 from ..surface.parameters import SurfaceParameters
+from .partial.parameters import PartialParameters
 
 
 @dataclass(frozen=True)
@@ -22,9 +23,6 @@ class ReportParameters:
     incomplete_factor: float = parameter(
         0.5, "confidence is multiplied by this where each surface may lack what the other has", origin=HAND
     )
-    whole_below: float = parameter(
-        1.0, "cost of an alignment below which two open surfaces are the same as wholes", origin=HAND
-    )
 
 
 @dataclass(frozen=True)
@@ -36,4 +34,5 @@ class Parameters:
 
     surface: SurfaceParameters = SurfaceParameters()
     alignment: AlignmentParameters = AlignmentParameters()
+    partial: PartialParameters = PartialParameters()
     report: ReportParameters = ReportParameters()

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import cached_property
 from typing import Any
 
@@ -212,3 +212,26 @@ class Surface:
             If the file cannot be read or is none of this version.
         """
         return cls(**load_fields(path))
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class PartialSurface(Surface):
+    """A part of a larger surface: its lengths are divided by sqrt(area) of the whole, not of the part.
+
+    Parameters
+    ----------
+    whole_area
+        Area of the whole in the units of the part.
+    """
+
+    whole_area: float
+
+    @classmethod
+    def of(cls, surface: Surface, whole_area: float) -> PartialSurface:
+        """A surface as a part of another one."""
+        return cls(**{one.name: getattr(surface, one.name) for one in fields(Surface)}, whole_area=whole_area)
+
+    @property
+    def scale(self) -> np.float64:
+        """The length that coordinates and distances are divided by."""
+        return np.float64(np.sqrt(self.whole_area))

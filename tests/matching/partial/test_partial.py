@@ -13,12 +13,18 @@ from mobius_match.evaluation import examples
 from mobius_match.geometry.directions import directions
 from mobius_match.geometry.geodesics import geodesic_solver
 from mobius_match.geometry.normals import vertex_normals
-from mobius_match.matching.partial.agreement import BATCH, Paths, agreement, match_by_distances
-from mobius_match.matching.partial.locate import PartPair, Placement
-from mobius_match.matching.partial.part import is_part, match_part
-from mobius_match.matching.partial.place import MARGIN, TORN, match_probabilities, support
+from mobius_match.matching.partial.agreement import BATCH, Paths, agreement, differences, match_by_distances
+from mobius_match.matching.partial.coverage import Coverage
+from mobius_match.matching.partial.locate import Placement
+from mobius_match.matching.partial.matches import match_probabilities, probability, support
+from mobius_match.matching.partial.pair import PartPair
+from mobius_match.matching.partial.parameters import PartialParameters
+from mobius_match.matching.partial.part import coverage_of_pair, is_part, match_part
 from mobius_match.mesh.topology import components
+from mobius_match.registration.parameters import RegistrationParameters
 from tests.shapes import bent, grid, icosphere, lump, rotation
+
+PARAMETERS, REGISTRATION = PartialParameters(), RegistrationParameters()
 
 NEAR = 0.05
 """Per diameter of the whole."""
@@ -72,7 +78,7 @@ def test_half_to_the_other_pose(half, wholes):
     result = mm.match(part, other)
     assert len(result) >= 60
     assert right(other, result.pairs[:, 1], true_places(name, False, other)[kept[result.pairs[:, 0]]]) >= 0.9
-    assert any("matched as a part" in warning for warning in result.warnings)
+    assert any("treated as a partial scan" in warning for warning in result.warnings)
 
 
 def test_other_pose_to_half(half, wholes):
@@ -107,8 +113,8 @@ def test_half_of_another_size(wholes, factor):
     whole, other = wholes["quadruped"]
     vertices, faces, kept = cut(whole.mesh.vertices, whole.mesh.faces, None, -1.0)
     part = mm.prepare((factor * vertices, faces))
-    places, notes = match_part(part, other, 0)
-    assert float(re.search(r"at (\S+) times its size", notes[0])[1]) == pytest.approx(1 / factor, rel=0.06)
+    places, notes = match_part(part, other, PARAMETERS, REGISTRATION, 0)
+    assert float(re.search(r"\(scale (\S+)\)", notes[0])[1]) == pytest.approx(1 / factor, rel=0.06)
     sure = places.match_probabilities >= 0.5
     assert sure.sum() >= 50
     true = true_places("quadruped", False, other)[kept[part.samples[sure]]]
@@ -123,11 +129,13 @@ def test_turns_of_maps(wholes):
     mirrored = replace(whole, mesh=replace(whole.mesh, vertices=turned, faces=whole.mesh.faces[:, ::-1]))
     same = np.arange(len(whole.proxy))
     for other, (right_way, mirror_way) in ((whole, (0, 1)), (mirrored, (1, 0))):
-        found = PartPair(whole, other).turned(same)
+        found = PartPair(whole, other, PARAMETERS, REGISTRATION).angle_agreement(same)
         assert np.median(found[right_way]) == pytest.approx(1, abs=1e-5)
         assert found[right_way].mean() > 0.99  # a point on a thin edge may have no direction
         assert found[mirror_way].mean() < 0.8
-    for at_random in PartPair(whole, whole).turned(np.random.default_rng(0).permutation(same)):
+    for at_random in PartPair(whole, whole, PARAMETERS, REGISTRATION).angle_agreement(
+        np.random.default_rng(0).permutation(same)
+    ):
         assert at_random.mean() < 0.6
 
 
@@ -178,24 +186,36 @@ def test_rivals_share_the_chances():
     """Where they agree, it matters little which is right."""
     apart = [np.array([0.0, 0.2, 0.2]), np.array([0.0, 0.0, 0.3])]
     place = Placement(SimpleNamespace(image=np.arange(3)), 1.0, list(zip((0.0, 0.0), apart, strict=True)))
-    np.testing.assert_allclose(support(place), [1, 1 / 2, 1 / 3])
+    np.testing.assert_allclose(support(place, PARAMETERS), [1, 1 / 2, 1 / 3])
     assert place.margin == 0
     clear = replace(place, rivals=[(1.0, apart[0])])
-    np.testing.assert_allclose(support(clear), 1, atol=1e-6)
-    assert support(replace(place, rivals=[])).tolist() == [1, 1, 1]
+    np.testing.assert_allclose(support(clear, PARAMETERS), 1, atol=1e-6)
+    assert support(replace(place, rivals=[]), PARAMETERS).tolist() == [1, 1, 1]
 
 
-def test_what_is_torn_off_or_next_to_the_cut_has_no_chance(monkeypatch):
-    """However well the rest speaks for it."""
-    good = {"distances": 0.0, "residual": 0.0, "cut": 0.5, "cost": 0.5, "curvature": 0.0, "stretch": 0.0}
-    found = {kind: np.full(4, value) for kind, value in good.items()}
-    found["distances"][1:3] = 0.9 * TORN, 1.1 * TORN
-    found["cut"][3] = 0.9 * MARGIN
-    monkeypatch.setattr("mobius_match.matching.partial.place.cost_terms", lambda *_: found)
-    closed = SimpleNamespace(whole=mm.prepare(icosphere(2)))
-    place = Placement(SimpleNamespace(image=np.arange(4)), 1.0, [])
-    assert (match_probabilities(closed, place) > 0.5).tolist() == [True, True, False, False]
-    assert match_probabilities(closed, place)[2:].tolist() == [0, 0]
+def test_no_match_is_likely_next_to_the_cut(monkeypatch):
+    """However good everything else is."""
+    good = {"distances": 0.0, "residual": 0.0, "boundary": 0.5, "stretch": 0.0, "cost": 0.5}
+    found = {kind: np.full(2, value) for kind, value in good.items()}
+    found["boundary"][1] = 0.9 * PARAMETERS.boundary_margin
+    monkeypatch.setattr("mobius_match.matching.partial.matches.features", lambda *_: found)
+    closed = SimpleNamespace(whole=mm.prepare(icosphere(2)), parameters=PARAMETERS)
+    placement = Placement(SimpleNamespace(image=np.arange(2)), 1.0, [])
+    first, second = match_probabilities(closed, placement)
+    assert first > 0.5
+    assert second == 0
+
+
+@pytest.mark.parametrize("kind", ["distances", "residual", "stretch", "cost"])
+def test_probability_falls_with_each_error(kind):
+    """Without bound, so that whatever was torn off the rest is unlikely; and with all of them small it is near 1."""
+    good = {"distances": 0.01, "residual": 0.005, "boundary": 0.3, "stretch": 0.03, "cost": 0.7}
+    found = {name: np.full(60, value) for name, value in good.items()}
+    found[kind] = good[kind] * np.geomspace(1, 1e4, 60)
+    values = probability(found, PARAMETERS)
+    assert values[0] > 0.9
+    assert (np.diff(values) < 0).all()
+    assert values[-1] < 0.5
 
 
 def vase(turns, height=36):
@@ -217,19 +237,33 @@ def vase(turns, height=36):
     return vertices, np.concatenate(faces)
 
 
-def test_a_close_choice_is_told(monkeypatch):
+def test_a_close_choice_is_reported():
     """Half a vase, cut along its axis, fits it all around, but for its triangles."""
-    monkeypatch.setattr("mobius_match.matching.partial.part.DOUBTFUL", 0.3)
     half = cut(*vase(37), 0, 1.0)
-    _, notes = match_part(mm.prepare(half[:2]), mm.prepare(vase(40)), 0)
-    assert any("nearly as good" in note for note in notes)
+    parameters = replace(PARAMETERS, close_margin=0.3)
+    _, notes = match_part(mm.prepare(half[:2]), mm.prepare(vase(40)), parameters, REGISTRATION, 0)
+    assert any("almost as well (margin 0." in note and "below 0.3 is close" in note for note in notes)
+
+
+def test_coverage_of_two_surfaces_with_large_openings():
+    """By the cost of their alignment as wholes."""
+    sheet, ball = mm.prepare(bent(grid(16, 13))), mm.prepare(icosphere(2))
+    part_match, notes = object(), ["a part"]
+    assert coverage_of_pair(sheet, sheet, part_match, notes, None, PARAMETERS) == (Coverage.PART, notes)
+    assert coverage_of_pair(sheet, sheet, part_match, notes, 1.1, PARAMETERS) == (Coverage.PART, notes)
+    assert coverage_of_pair(sheet, sheet, part_match, notes, 0.9, PARAMETERS) == (Coverage.WHOLE, [])
+    assert coverage_of_pair(sheet, sheet, None, notes, 3.4, PARAMETERS) == (Coverage.WHOLE, notes)
+    coverage, (first, second) = coverage_of_pair(sheet, sheet, None, notes, 3.6, PARAMETERS)
+    assert (coverage, first) == (Coverage.BOTH_INCOMPLETE, "a part")
+    assert "both have large openings" in second
+    assert coverage_of_pair(sheet, ball, None, notes, 3.6, PARAMETERS) == (Coverage.WHOLE, notes)
 
 
 @pytest.mark.parametrize("name", examples.names())
 def test_whole_surfaces_are_no_parts(name, wholes):
     first, second = wholes[name]
-    assert not is_part(first, second) and not is_part(second, first)
-    assert match_part(first, second, 0) == (None, [])
+    assert not is_part(first, second, PARAMETERS) and not is_part(second, first, PARAMETERS)
+    assert match_part(first, second, PARAMETERS, REGISTRATION, 0) == (None, [])
 
 
 def test_a_part_of_nothing_there():
@@ -237,7 +271,7 @@ def test_a_part_of_nothing_there():
     whole = mm.prepare(lump())
     sheet, squares = bent(grid(16, 13))
     part = mm.prepare((sheet * np.sqrt(whole.area / 9 / 260), squares))
-    places, notes = match_part(part, whole, 0)
+    places, notes = match_part(part, whole, PARAMETERS, REGISTRATION, 0)
     assert "fits nowhere well" in notes[0]
     assert (places.match_probabilities < 0.5).all()
     with pytest.raises(mm.NothingFoundError, match="no match is likely enough"):
@@ -261,22 +295,24 @@ def test_agreement_is_the_formula(threads):
         x, y = paths.x[ends], paths.y[ends]
         return x * np.roll(y, -1, axis=1) - y * np.roll(x, -1, axis=1)
 
-    apart = np.abs(first.lengths[triplets[0]][..., None] - second.lengths[triplets[1]][:, :, None]).sum(axis=1)
-    turned = np.abs(sines(first, triplets[0])[..., None] - sines(second, triplets[1])[:, :, None]).sum(axis=1)
-    summed = apart + 0.2 * turned + costs
-    np.testing.assert_allclose(totals, np.exp(-summed.min(axis=2) / 0.3).mean(axis=1), rtol=1e-5)
+    lengths = np.abs(first.lengths[triplets[0]][..., None] - second.lengths[triplets[1]][:, :, None]).mean(axis=1)
+    angles = np.abs(sines(first, triplets[0])[..., None] - sines(second, triplets[1])[:, :, None]).mean(axis=1)
+    errors = lengths + 0.2 * angles + costs
+    np.testing.assert_allclose(totals, np.exp(-errors.min(axis=2) / 0.3).mean(axis=1), rtol=1e-5)
+    one = differences(first.of(triplets[0][3]), second.of(triplets[1][3]), costs, 0.2)
+    np.testing.assert_allclose(one, errors[3], rtol=1e-5)
 
 
-def test_as_far_is_the_formula():
+def test_match_by_distances_is_the_formula():
     generator = np.random.default_rng(0)
     first, second = random_paths(generator, 5, 7), random_paths(generator, 5, 9)
     costs = generator.random((7, 9), np.float32)
     weight = (1 / (first.lengths + 0.1))[:, :, None]
-    apart = np.minimum(np.abs(first.lengths[:, :, None] - second.lengths[:, None]), 0.4)
+    errors = np.minimum(np.abs(first.lengths[:, :, None] - second.lengths[:, None]), 0.4)
     here, there = first.x + 1j * first.y, second.x + 1j * second.y
-    same_way = np.abs((weight * here[:, :, None] * there[:, None].conj()).sum(axis=0))
-    total = (2 * (weight * apart).sum(axis=0) - 0.5 * same_way) / weight.sum(axis=0) + costs
-    np.testing.assert_array_equal(match_by_distances(first, second, costs, 0.4, 0.1, 2.0, 0.5), total.argmin(axis=1))
+    agreeing = np.abs((weight * here[:, :, None] * there[:, None].conj()).sum(axis=0))
+    total = ((weight * errors).sum(axis=0) - 0.5 * agreeing) / weight.sum(axis=0) + costs
+    np.testing.assert_array_equal(match_by_distances(first, second, costs, 0.4, 0.1, 0.5), total.argmin(axis=1))
 
 
 def test_a_copy_in_other_units_is_the_whole():
@@ -284,4 +320,4 @@ def test_a_copy_in_other_units_is_the_whole():
     result = mm.match((vertices, faces), (3 * vertices + 1, faces), seed=0)
     np.testing.assert_array_equal(result.pairs[:, 0], result.pairs[:, 1])
     np.testing.assert_array_equal(result.dense().vertex_map, np.arange(len(vertices)))
-    assert not any("part of it" in line for line in result.warnings)
+    assert not any("partial scan" in line for line in result.warnings)

@@ -1,7 +1,7 @@
-"""How well triplets explain a surface by geodesic distances alone: a part and its whole have no Möbius map.
+"""Triplets evaluated by shortest paths, since no Möbius map takes a part to its whole.
 
-Distances do not know a surface from its mirror image, which most bodies are of themselves. Directions do: two shortest
-paths meet at a point at an angle, left of each other or right.
+Distances do not distinguish a surface from its mirror image, and most bodies are their own mirror image. Directions do:
+at a point, one shortest path lies to the left or to the right of another.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ import numpy as np
 from ..._core.compiling import jit
 
 BATCH = 250
-"""Triplets that a thread takes at a time."""
+"""Triplets that a thread evaluates at a time."""
 
 
 class Paths(NamedTuple):
@@ -24,9 +24,9 @@ class Paths(NamedTuple):
     Parameters
     ----------
     lengths
-        (N, P) float32, in common units.
+        (N, P) float32, per sqrt(area) of the whole.
     x, y
-        (N, P) float32: which way they run at the points; see :func:`mobius_match.geometry.directions.directions`.
+        (N, P) float32 directions at the points; see :func:`mobius_match.geometry.directions.directions`.
     """
 
     lengths: np.ndarray
@@ -34,11 +34,11 @@ class Paths(NamedTuple):
     y: np.ndarray
 
     def to(self, points: np.ndarray) -> Paths:
-        """Those to some of the points (p,)."""
+        """The paths to some of the points (p,)."""
         return Paths(*(np.ascontiguousarray(values[:, points]) for values in self))
 
     def of(self, samples: np.ndarray) -> Paths:
-        """Those from some of the samples (s,)."""
+        """The paths from some of the samples (s,)."""
         return Paths(*(values[samples] for values in self))
 
 
@@ -48,38 +48,40 @@ def agreement(
     costs: np.ndarray,
     triplets1: np.ndarray,
     triplets2: np.ndarray,
-    turning: float,
+    direction_weight: float,
     scale: float,
     pool: ThreadPoolExecutor,
 ) -> np.ndarray:
-    """Judge triplets by whether each point of the source finds one of the target as far from the triplet's points.
+    """Evaluate triplets: has each point of the source a point of the target at the same distances from the triplet?
 
     Parameters
     ----------
     first, second
         From the samples to points of their surface.
     costs
-        (P1, P2) float32, added to the three differences of distances: how unlike two points look.
+        (P1, P2) float32 added to the mean difference of the three distances, in the same unit.
     triplets1, triplets2
         (I, 3) int: three different samples of each side, matched in order.
-    turning
-        Weight of the differences of the signed sines of the three angles between paths.
+    direction_weight
+        Weight of the mean difference of the signed sines of the three angles between paths.
     scale
-        Sum of differences and cost at which a point counts 1 / e.
+        The sum of these errors at which a point counts 1 / e.
     pool
         Its threads share the work.
 
     Returns
     -------
     numpy.ndarray
-        (I,) float64: the mean over the source's points of what each counts, in [0, 1].
+        (I,) float64 in [0, 1]: the mean over the source's points of exp(-least error / scale).
     """
     totals = np.empty(len(triplets1))
+    # The kernel sums over the three points of a triplet.
+    costs, weight = np.float32(3) * costs, np.float32(direction_weight)
 
-    def judge(part: slice) -> None:
-        _agreement(first, second, costs, triplets1[part], triplets2[part], np.float32(turning), scale, totals[part])
+    def evaluate(part: slice) -> None:
+        _agreement(first, second, costs, triplets1[part], triplets2[part], weight, 3 * scale, totals[part])
 
-    list(pool.map(judge, (slice(start, start + BATCH) for start in range(0, len(totals), BATCH))))
+    list(pool.map(evaluate, (slice(start, start + BATCH) for start in range(0, len(totals), BATCH))))
     return totals
 
 
@@ -90,7 +92,7 @@ def _agreement(
     costs: np.ndarray,
     triplets1: np.ndarray,
     triplets2: np.ndarray,
-    turning: np.float32,
+    weight: np.float32,
     scale: float,
     totals: np.ndarray,
 ) -> None:
@@ -101,7 +103,7 @@ def _agreement(
         for k in range(3):
             one, two = triplets2[i, k], triplets2[i, (k + 1) % 3]
             for q in range(size):
-                sines[k, q] = turning * (second.x[one, q] * second.y[two, q] - second.y[one, q] * second.x[two, q])
+                sines[k, q] = weight * (second.x[one, q] * second.y[two, q] - second.y[one, q] * second.x[two, q])
         a, b, c = (
             second.lengths[triplets2[i, 0]],
             second.lengths[triplets2[i, 1]],
@@ -112,9 +114,9 @@ def _agreement(
         for p in range(len(costs)):
             i1, i2, i3 = triplets1[i, 0], triplets1[i, 1], triplets1[i, 2]
             x, y, z = first.lengths[i1, p], first.lengths[i2, p], first.lengths[i3, p]
-            f = turning * (first.x[i1, p] * first.y[i2, p] - first.y[i1, p] * first.x[i2, p])
-            g = turning * (first.x[i2, p] * first.y[i3, p] - first.y[i2, p] * first.x[i3, p])
-            h = turning * (first.x[i3, p] * first.y[i1, p] - first.y[i3, p] * first.x[i1, p])
+            f = weight * (first.x[i1, p] * first.y[i2, p] - first.y[i1, p] * first.x[i2, p])
+            g = weight * (first.x[i2, p] * first.y[i3, p] - first.y[i2, p] * first.x[i3, p])
+            h = weight * (first.x[i3, p] * first.y[i1, p] - first.y[i3, p] * first.x[i1, p])
             cost = costs[p]
             for q in range(size):
                 row[q] = (
@@ -133,36 +135,35 @@ def _agreement(
         totals[i] = total / len(costs)
 
 
-def differences(first: Paths, second: Paths, costs: np.ndarray, turning: float) -> np.ndarray:
-    """What :func:`agreement` sums for one triplet, from whose samples the paths are: all pairs of points (p1, p2)."""
-    total = costs + np.abs(first.lengths[:, :, None] - second.lengths[:, None]).sum(axis=0)
-    mine, theirs = (x * np.roll(y, -1, axis=0) - y * np.roll(x, -1, axis=0) for _, x, y in (first, second))
-    return np.asarray(total + turning * np.abs(mine[:, :, None] - theirs[:, None]).sum(axis=0))
+def differences(first: Paths, second: Paths, costs: np.ndarray, direction_weight: float) -> np.ndarray:
+    """The errors (p1, p2) of all pairs of points in :func:`agreement`, for one triplet from which the paths are."""
+    lengths = np.abs(first.lengths[:, :, None] - second.lengths[:, None]).mean(axis=0)
+    sines1, sines2 = (x * np.roll(y, -1, axis=0) - y * np.roll(x, -1, axis=0) for _, x, y in (first, second))
+    sines = np.abs(sines1[:, :, None] - sines2[:, None]).mean(axis=0)
+    return np.asarray(lengths + direction_weight * sines + costs)
 
 
 @jit
 def match_by_distances(
-    first: Paths, second: Paths, costs: np.ndarray, cap: float, soft: float, weight: float, turning: float
+    first: Paths, second: Paths, costs: np.ndarray, cap: float, soft: float, direction_weight: float
 ) -> np.ndarray:
-    """Each point of the source to the one of the target that is as far from the landmarks and looks alike.
+    """The point of the target whose distances from landmarks, directions and curvature are most like a source point's.
 
-    Distances count the less the longer they are: those to landmarks nearby neither lead through what is missing nor
-    change much as the surface bends.
+    Long distances have less weight: short paths do not run through what is missing, and change little as the surface
+    bends.
 
     Parameters
     ----------
     first, second
         From L landmarks to the points (P1) and (P2) of their surface.
     costs
-        (P1, P2) float32: how unlike two points look.
+        (P1, P2) float32 added to the weighted mean difference of distances, in the same unit.
     cap
-        What a difference of distances counts at most.
+        Largest difference of distances that is counted.
     soft
         Added to a distance in the source before its inverse is the landmark's weight.
-    weight
-        Of the mean difference of distances.
-    turning
-        How much counts that the paths to two points run the same way, once their frames are turned.
+    direction_weight
+        Weight of 1 - the agreement of directions, after the best rotation of the frame at one of the points.
 
     Returns
     -------
@@ -177,19 +178,19 @@ def match_by_distances(
         row[:], along[:], across[:] = 0, 0, 0
         weights = np.float32(0)
         for k in range(len(first.lengths)):
-            length, theirs = first.lengths[k, p], second.lengths[k]
+            length, lengths = first.lengths[k, p], second.lengths[k]
             share = np.float32(1 / (length + soft))
             weights += share
             x, y, x2, y2 = share * first.x[k, p], share * first.y[k, p], second.x[k], second.y[k]
             for q in range(size):
-                row[q] += share * min(abs(length - theirs[q]), most)
+                row[q] += share * min(abs(length - lengths[q]), most)
                 along[q] += x * x2[q] + y * y2[q]
                 across[q] += y * x2[q] - x * y2[q]
-        of_distances, of_turns = np.float32(weight / weights), np.float32(turning / weights)
+        of_distances, of_directions = np.float32(1 / weights), np.float32(direction_weight / weights)
         best = 0
         for q in range(size):
-            same_way = math.sqrt(along[q] * along[q] + across[q] * across[q])
-            row[q] = row[q] * of_distances + costs[p, q] - of_turns * same_way
+            agreeing = math.sqrt(along[q] * along[q] + across[q] * across[q])
+            row[q] = row[q] * of_distances + costs[p, q] - of_directions * agreeing
             if row[q] < row[best]:
                 best = q
         image[p] = best

@@ -1,10 +1,10 @@
-"""A surface that was cut off from a larger one, found on it.
+"""A surface that is a part of the other one, located on it.
 
 Beyond the paper, whose surfaces are whole. A part has another conformal structure, other eigenfunctions and another
-area than the whole that it belongs to; what it keeps are lengths, curvature and, away from the cut, distances and the
-ways that shortest paths run. So both are measured in common units, at the size at which the part fits best. Triplets of
-samples are judged by their paths instead of Möbius maps, the places that the best of them send the part to are
-compared, and the part is bent onto the whole at the best. Each way of matching reads its matches off the bent part.
+area than the whole that it belongs to. Lengths, curvature and, away from the cut, distances and directions of shortest
+paths are the same. So both are measured in the same units, at the size at which the part fits best. Triplets of samples
+are evaluated by shortest paths instead of Möbius maps, the part is registered to the whole along the best of them, and
+the matches are read off the registration of least cost.
 """
 
 from __future__ import annotations
@@ -12,70 +12,33 @@ from __future__ import annotations
 import os
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
-from enum import Enum
 
 import numpy as np
 
 from ..._core.display import one_line
 from ...geometry.points import SurfacePoints
 from ...landmarks.constraints import LandmarkConstraints
+from ...registration.parameters import RegistrationParameters
 from ...registration.sparse import Registration
 from ...surface.surface import Surface
-from .locate import PartPair, Placement
-from .place import OPEN, boundary_length, points_on_part, points_on_whole
-
-LARGEST, SMALLEST = 0.97, 0.1
-"""Part of the whole's area that a part may have: above, it is taken for a whole, though it has a boundary."""
-
-MOST = 0.75
-"""Part of the whole's area up to which nothing is gained by matching a part as a whole."""
-
-CLOSED = 0.5
-"""What part of the part's boundary the whole's may have, per sqrt(area) each, if the two have different units."""
-
-STEP, FAITH = 1.2, 0.03
-"""Ratio of one size to the next that is tried, and by which part a size has to fit better for each step that it is off
-the units of the files."""
-
-DOUBTFUL = 0.1
-"""How much worse another place is at most that a user is told of."""
-
-WORST, LOOSEST, UNLIKE = 1.95, 0.0135, 0.5
-"""Badness of a place, mean distance of the bent part from the whole, and 1 - the rank correlation of their mean
-curvatures, above which the one is no part of the other."""
-
-ALIKE, STRANGE = 1.0, 3.5
-"""Cost of an alignment of two surfaces with large openings: below the first they correspond as wholes, and neither is a
-part of the other; above the second each of them may lack something that the other one has."""
-
-DISTRUST = 0.5
-"""What chances are multiplied by then."""
-
-
-class Coverage(Enum):
-    """How much of each other two surfaces cover."""
-
-    WHOLE = "whole"
-    """Each of them covers the other one."""
-
-    PART = "part"
-    """One of them is a part of the other one."""
-
-    BOTH_INCOMPLETE = "both incomplete"
-    """Each of them may lack something that the other one has."""
+from .coverage import Coverage
+from .locate import fit, locate
+from .matches import boundary_length, points_on_part, points_on_whole
+from .pair import PartPair
+from .parameters import PartialParameters
 
 
 @dataclass(frozen=True, eq=False)
 class PartMatch:
-    """Where one surface lies that is a part of the other.
+    """Where a part lies on the whole.
 
     Parameters
     ----------
-    points, chances
-        (N1,) points of the target for the source's samples, and the chance that each is right, 0 for a sample that
-        lies on what is missing.
+    points, match_probabilities
+        Points (N1,) of the target for the source's samples, and the probability (N1,) that each is right; 0 for a
+        sample of what is missing.
     part, whole, registration, part_is_source
-        The two surfaces in common units, the part bent onto the whole, and which of them is which.
+        The two surfaces in the same units, the part registered to the whole, and which of them is which.
     """
 
     points: SurfacePoints
@@ -90,75 +53,84 @@ class PartMatch:
 
 
 def match_part(
-    source: Surface, target: Surface, seed: int, jobs: int | None = None, constraints: LandmarkConstraints | None = None
+    source: Surface,
+    target: Surface,
+    parameters: PartialParameters,
+    registration: RegistrationParameters,
+    seed: int,
+    jobs: int | None = None,
+    constraints: LandmarkConstraints | None = None,
 ) -> tuple[PartMatch | None, list[str]]:
-    """Where the source's samples lie on the target, if one of the two is a part of the other.
+    """Match two surfaces if one of them is a part of the other.
 
     Parameters
     ----------
     source, target
         The surfaces.
+    parameters, registration
+        Constants of the method, and of registration.
     seed
         Of the triplets.
     jobs
         Threads; None for as many as there are processors. The result does not depend on it.
-    hints
-        Pairs that are known.
+    constraints
+        Given pairs of points.
 
     Returns
     -------
-    places
+    part_match
         None if neither is a part of the other.
     notes
-        What a user should know of it, a line each; none where neither looks like a part.
+        What the user should know about it, a line each; none where neither looks like a part.
     """
-    part, whole = (source, target) if is_part(source, target) else (target, source)
-    if not is_part(part, whole):
+    part, whole = (source, target) if is_part(source, target, parameters) else (target, source)
+    if not is_part(part, whole, parameters):
         return None, []
     if constraints is not None and part is target:
         constraints = constraints.inverse
     with ThreadPoolExecutor(jobs or os.cpu_count() or 1) as pool:
-        pair = PartPair(part, whole, constraints)
-        size = likely_size(pair, part.area / whole.area, seed, pool)
+        pair = PartPair(part, whole, parameters, registration, constraints)
+        size, fits = best_size(pair, part.area / whole.area, seed, pool)
         pair = pair.scaled(size)
-        place = pair.locate(np.random.default_rng(seed), pool)
-    share = f"{part.mesh.name} has a long boundary, and {part.area / whole.area:.0%} of the area of {whole.mesh.name}"
-    closed, left = boundary_length(whole) <= OPEN, part.area * size**2 / whole.area
-    sure = place is not None and credible(pair, place)
-    if place is None or not (sure or (closed and left <= MOST)):
-        return None, [f"{share}, but was not found on it; it was matched as a whole"]
-    how = f"at {size:.3g} times its size" if sure else "but fits nowhere well, so that few matches are likely enough"
-    notes = [f"{share}; it was matched as a part of it, {how}"]
-    if place.margin <= DOUBTFUL:
+        placement = locate(pair, np.random.default_rng(seed), pool) if fits else None
+    name, other = part.mesh.name, whole.mesh.name
+    closed, share = boundary_length(whole) <= parameters.opening, part.area * size**2 / whole.area
+    credible = placement is not None and placement.cost <= parameters.credible_cost
+    if placement is None or not (credible or (closed and share <= parameters.forced_share)):
+        return None, [f"{name} has large openings but was not located on {other} as a part; it was matched as a whole"]
+    notes = [f"{name} has large openings and was treated as a partial scan of {other} (scale {size:.3g})"]
+    if not credible:
+        notes[0] += "; it fits nowhere well, so few matches are likely enough"
+    if placement.margin <= parameters.close_margin:
         notes.append(
-            f"another place for {part.mesh.name} is nearly as good (it lost by {place.margin:.2f}; below {DOUBTFUL} is "
-            "close): look at the matches"
+            f"ambiguous: {name} fits another region of {other} almost as well (margin {placement.margin:.2f}; below "
+            f"{parameters.close_margin} is close). Check the matches with 'mobius view'"
         )
     if not closed:
-        notes.append(f"{whole.mesh.name} has a long boundary, too: what each of the two lacks may be matched wrongly")
-    points, match_probabilities = points_on_whole(pair, place) if part is source else points_on_part(pair, place)
-    return PartMatch(points, match_probabilities, pair.part, whole, place.registration, part is source), notes
+        notes.append(f"{other} has large openings, too: a region that only one of the two has may be matched wrongly")
+    points, probabilities = (points_on_whole if part is source else points_on_part)(pair, placement)
+    return PartMatch(points, probabilities, pair.part, whole, placement.registration, part is source), notes
 
 
-def credible(pair: PartPair, place: Placement) -> bool:
-    """Whether the part is likely to lie there, or at least nowhere else."""
-    cost_terms = pair.cost_terms(place.registration)
-    return place.cost <= WORST and cost_terms["residual"] <= LOOSEST and cost_terms["mean curvature"] <= UNLIKE
+def is_part(surface: Surface, other: Surface, parameters: PartialParameters) -> bool:
+    """Whether a surface may be a part of another one.
 
-
-def is_part(surface: Surface, other: Surface) -> bool:
-    """Whether a surface may be a part of another.
-
-    It has a long boundary, and in the units of the files less area; or these must differ, and the other is closed.
+    It has large openings, and less area in the units of the files. If these units differ, the other one is closed.
     """
-    share, opening = surface.area / other.area, boundary_length(surface)
-    if SMALLEST <= share <= LARGEST:
-        return opening * np.sqrt(share) > OPEN
-    return not LARGEST < share < 1 / LARGEST and opening > max(OPEN, boundary_length(other) / CLOSED)
+    share, length, opening = surface.area / other.area, boundary_length(surface), parameters.opening
+    if parameters.smallest_share <= share <= parameters.largest_share:
+        return length * np.sqrt(share) > opening
+    same_area = parameters.largest_share < share < 1 / parameters.largest_share
+    return not same_area and length > opening >= boundary_length(other)
 
 
 def coverage_of_pair(
-    source: Surface, target: Surface, part_match: PartMatch | None, notes: list[str], cost: float | None
+    source: Surface,
+    target: Surface,
+    part_match: PartMatch | None,
+    notes: list[str],
+    cost: float | None,
+    parameters: PartialParameters,
 ) -> tuple[Coverage, list[str]]:
     """Decide between a match of wholes and a match of a part, once the surfaces have been aligned as wholes.
 
@@ -170,6 +142,8 @@ def coverage_of_pair(
         The result of :func:`match_part`.
     cost
         Cost of the best alignment of the two as wholes; None if there is none.
+    parameters
+        Constants of the method.
 
     Returns
     -------
@@ -179,46 +153,57 @@ def coverage_of_pair(
         What the user should know about it, a line each.
     """
     if part_match is not None:
-        if cost is not None and cost < ALIKE:
+        if cost is not None and cost < parameters.same_cost:
             return Coverage.WHOLE, []
         return Coverage.PART, notes
-    if cost is not None and cost > STRANGE and min(boundary_length(source), boundary_length(target)) > OPEN:
+    both_open = min(boundary_length(source), boundary_length(target)) > parameters.opening
+    if cost is not None and cost > parameters.incomplete_cost and both_open:
         return Coverage.BOTH_INCOMPLETE, [
             *notes,
             f"{source.mesh.name} and {target.mesh.name} both have large openings and differ as wholes: where each "
-            "lacks a part of the other, matches are wrong; their confidence was halved",
+            f"lacks a part of the other, matches are wrong; all confidences were reduced",
         ]
     return Coverage.WHOLE, notes
 
 
-def likely_size(pair: PartPair, share: float, seed: int, pool: ThreadPoolExecutor) -> float:
-    """The size of the part, as a multiple of what its file says, at which it fits best on the whole.
+def best_size(pair: PartPair, share: float, seed: int, pool: ThreadPoolExecutor) -> tuple[float, float]:
+    """The size of the part at which it fits best on the whole.
 
     Parameters
     ----------
     pair
-        The two, at the sizes of the files.
+        The two, at the sizes in the files.
     share
         The part's area, at that size, per that of the whole.
     seed, pool
-        Of the triplets, and who judges them.
+        Of the triplets, and the threads that evaluate them.
+
+    Returns
+    -------
+    size
+        Multiple of the size in the file.
+    fit
+        How well the part fits at the best of the sizes tried, in [0, 1]; see :func:`.locate.fit`.
     """
+    constants = pair.parameters
+    step, shares = constants.size_step, (constants.largest_share, constants.smallest_share)
     # Steps up or down to a part as large as its whole, and to the smallest.
-    most, least = (np.log(limit / share) / (2 * np.log(STEP)) for limit in (LARGEST, SMALLEST))
+    most, least = (np.log(limit / share) / (2 * np.log(step)) for limit in shares)
     known = least <= 0 <= most
     fits = dict.fromkeys([0.0] if known else np.arange(most, least, -1.0).tolist(), -1.0)
     while True:
-        for step, fit in fits.items():
-            if fit < 0:
-                worth = pair.scaled(STEP**step).fit(np.random.default_rng(seed), pool)
-                fits[step] = worth * (1 - known * FAITH * abs(step))
+        for number, value in fits.items():
+            if value < 0:
+                found = fit(pair.scaled(step**number), np.random.default_rng(seed), pool)
+                fits[number] = found * (1 - known * constants.size_penalty * abs(number))
         best = max(fits, key=fits.__getitem__)
-        beside = [step for step in (best - 1, best + 1) if least <= step <= most]
-        if all(step in fits for step in beside):
+        beside = [number for number in (best - 1, best + 1) if least <= number <= most]
+        if all(number in fits for number in beside):
             break
-        fits |= dict.fromkeys((step for step in beside if step not in fits), -1.0)
+        fits |= dict.fromkeys((number for number in beside if number not in fits), -1.0)
+    vertex = best
     if len(beside) == 2:
         # The top of the parabola through three sizes.
-        below, fit, above = fits[best - 1], fits[best], fits[best + 1]
-        best += (below - above) / (2 * (below - 2 * fit + above) or 1.0)
-    return float(STEP**best)
+        below, middle, above = fits[best - 1], fits[best], fits[best + 1]
+        vertex += (below - above) / (2 * (below - 2 * middle + above) or 1.0)
+    return float(step**vertex), fits[best]

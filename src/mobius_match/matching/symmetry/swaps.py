@@ -1,4 +1,4 @@
-"""Voting for the mirror symmetry of one surface: triplets that change two of its samples for each other.
+"""Voting for the mirror symmetry of one surface: triplets that swap two of its samples.
 
 The triplet (i, j, k) goes to (j, i, l). An anti-Möbius map that does so is an involution if the third pair fits, which
 leaves far fewer triplets to draw than there are between two surfaces. The target is the surface itself with its
@@ -19,27 +19,28 @@ from ...voting.kernel import vote_weighted
 from ...voting.mobius import homogeneous
 from ...voting.proposals import CENTRALITY_TOLERANCE, LEAST_SPREAD, LENGTH_TOLERANCE
 from ...voting.votes import KEPT, WEIGHT_POWER, WEIGHT_SCALE, Votes
+from .parameters import SymmetryParameters
 
 BATCHES = 32
-ATTEMPTS = 50
-"""Draws for one triplet, on average, before the search for more is given up."""
-
-STAYING = 0.1
-"""Distance per sqrt(area) to its image at which a point counts 1 - 1 / e: less speaks for the identity as well."""
-
-SIMILARITY = 1.5
-"""Width of the similarity of descriptors, in medians of the difference from a sample to the most similar other one."""
+"""Batches of triplets, each with its own random stream."""
 
 
-def cast_swap_votes(surface: Surface, settings: MatchSettings, progress: Progress | None = None) -> Votes:
-    """Algorithm 2 with weighed pairs on a surface and its mirror image, by triplets that swap two samples.
+def cast_swap_votes(
+    surface: Surface,
+    settings: MatchSettings,
+    parameters: SymmetryParameters,
+    progress: Progress | None = None,
+) -> Votes:
+    """Algorithm 2 with weighted pairs on a surface and its mirror image, by triplets that swap two samples.
 
     Parameters
     ----------
     surface
         The surface.
     settings
-        How many triplets are evaluated, the seed, and how many threads; the result does not depend on the last.
+        Number of triplets, seed, and number of threads; the result does not depend on the last.
+    parameters
+        Constants of the method.
     progress
         Called as ``progress("voting", batches done, batches)``.
 
@@ -51,10 +52,12 @@ def cast_swap_votes(surface: Surface, settings: MatchSettings, progress: Progres
     geodesics, central = surface.normalized_distances, surface.average_distances
     points, mirrored = homogeneous(surface.positions), homogeneous(surface.positions.conj())
     allowed = np.abs(central[:, None] - central) <= CENTRALITY_TOLERANCE * np.minimum(central[:, None], central)
-    similarity = self_similarity(surface.signatures) * (1 - np.exp(-((geodesics / STAYING) ** 2)))
+    # A point that stays near its place supports the identity as well.
+    moved = 1 - np.exp(-((geodesics / parameters.radius) ** 2))
+    similarity = self_similarity(surface.signatures, parameters.similarity_width) * moved
 
     def batch(stream: np.random.SeedSequence, size: int) -> Votes:
-        here, there = swap_triplets(np.random.default_rng(stream), size, geodesics, allowed)
+        here, there = swap_triplets(np.random.default_rng(stream), size, geodesics, allowed, parameters.attempts)
         matrix, triplet_weights = np.zeros(similarity.shape), np.empty(len(here))
         n_voting = vote_weighted(
             points,
@@ -93,7 +96,7 @@ def cast_swap_votes(surface: Surface, settings: MatchSettings, progress: Progres
 
 
 def swap_triplets(
-    generator: np.random.Generator, count: int, geodesics: np.ndarray, allowed: np.ndarray
+    generator: np.random.Generator, count: int, geodesics: np.ndarray, allowed: np.ndarray, attempts: int
 ) -> tuple[np.ndarray, np.ndarray]:
     """Triplets (i, j, k) and their images (j, i, l) that agree in their distances, (found, 3) int64 each.
 
@@ -102,23 +105,25 @@ def swap_triplets(
     generator
         Random stream of this batch.
     count
-        How many are wanted; fewer are found where hardly any fits.
+        Number of triplets; fewer are found where hardly any fits.
     geodesics
         (N, N) float64 distances between the samples per sqrt(area).
     allowed
         (N, N) bool: which samples may be matched.
+    attempts
+        Mean number of draws for a triplet before the search ends.
     """
     n = len(geodesics)
     apart = geodesics >= LEAST_SPREAD
     found = np.empty((0, 4), np.int64)
-    for _ in range(ATTEMPTS):
+    for _ in range(attempts):
         if len(found) >= count:
             break
         i, j, k = generator.integers(0, n, (3, count))
         possible = allowed[i, j] & apart[i, j] & apart[i, k] & apart[j, k]
         i, j, k = i[possible], j[possible], k[possible]
         fits = allowed[k] & (geodesics[i] > 0) & (geodesics[j] > 0)
-        for far, near in ((i, j), (j, i)):  # l lies as far from j as k does from i, and the other way round
+        for far, near in ((i, j), (j, i)):  # d(j, l) = d(i, k), and d(i, l) = d(j, k)
             fits &= (
                 np.abs(geodesics[far, k][:, None] - geodesics[near]) <= LENGTH_TOLERANCE * geodesics[far, k][:, None]
             )
@@ -129,13 +134,13 @@ def swap_triplets(
     return np.stack([i, j, k], axis=1), np.stack([j, i, image], axis=1)
 
 
-def self_similarity(signatures: np.ndarray) -> np.ndarray:
-    """How alike the wave kernel signatures (N, e) of the samples of one surface are: (N, N) in [0, 1].
+def self_similarity(signatures: np.ndarray, relative_width: float) -> np.ndarray:
+    """Similarity (N, N) in [0, 1] of the wave kernel signatures (N, e) of the samples of one surface.
 
-    A Gaussian of the relative L1 distance. Its width comes from the most similar other sample: that a sample is like
-    itself says nothing of how alike mirror images are.
+    A Gaussian of the relative L1 distance. Its width is a multiple of the median difference to the most similar other
+    sample, since the difference of a sample from itself, 0, says nothing about that of mirror images.
     """
     differences = np.array([(np.abs(one - signatures) / (one + signatures)).mean(axis=1) for one in signatures])
     others = differences + np.diag(np.full(len(differences), np.inf))
-    width = max(SIMILARITY * float(np.median(others.min(axis=1))), 1e-9)
+    width = max(relative_width * float(np.median(others.min(axis=1))), 1e-9)
     return np.exp(-((differences / width) ** 2))

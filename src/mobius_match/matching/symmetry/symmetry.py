@@ -3,8 +3,8 @@
 Beyond the paper, in the spirit of Kim, Lipman, Chen and Funkhouser (2010). An orientation-reversing isometry of a
 surface onto itself is an anti-Möbius map of its flattening: a Möbius map after complex conjugation. So the surface is
 matched with a copy whose positions are conjugated, by triplets that swap two points (``voting/swaps.py``). A mirror
-symmetry is its own inverse: the functional map of the winning explanation is made so, and a pair counts if the map of
-the whole surface sends each of its points to the other.
+symmetry is its own inverse: the functional map of the best alignment is projected to such a map, and a pair is accepted
+if the map of the whole surface sends each of its points to the other.
 """
 
 from __future__ import annotations
@@ -34,30 +34,19 @@ from ...surface.prepared import check_effective
 from ...surface.surface import Surface
 from ...voting.assignment import max_row_column
 from ...voting.votes import Votes
+from .parameters import SymmetryParameters
 from .swaps import cast_swap_votes
-
-AGREEMENT_RADIUS = 0.1
-"""Distance per sqrt(area) from where the map sends a sample, at which a vote counts 1 / e."""
-
-STRAIN = 0.1
-"""Difference of distances per sqrt(area), between a sample and the images of others and the other way round, at which a
-sample's confidence has fallen to 1 / e."""
-
-LEAST_CONFIDENCE = 0.4
-MOST_PAIRS = 30
-"""How many of the best pairs tell which vertices are stationary."""
-
-STATIONARY = 0.01
-"""Tolerance of stationary vertices per sqrt(area), on meshes whose edges are shorter."""
-
-HARDLY = 0.65
-"""Score below which a user is warned. Of 69 bodies in many poses, none has less than 0.7."""
 
 
 def symmetry(
-    mesh: Any, *, cache: bool = False, progress: Progress | None = None, **settings: Unpack[SymmetryOptions]
+    mesh: Any,
+    *,
+    cache: bool = False,
+    progress: Progress | None = None,
+    parameters: SymmetryParameters = SymmetryParameters(),
+    **settings: Unpack[SymmetryOptions],
 ) -> Symmetry:
-    """Find the intrinsic mirror symmetry of one surface, in whatever pose.
+    """Find the intrinsic mirror symmetry of one surface, in any pose.
 
     Parameters
     ----------
@@ -69,6 +58,8 @@ def symmetry(
         depend on it.
     progress
         Called as ``progress(stage, done, total)`` from the calling thread.
+    parameters
+        The constants of the method, for those who study it; the defaults are the method.
     **settings
         The fields of :class:`PrepareSettings`, and ``votes``, ``seed`` and ``jobs`` of :class:`MatchSettings`.
 
@@ -111,15 +102,15 @@ def symmetry(
     if half is not surface:
         timings |= surface.timings
     begin = time.perf_counter()
-    votes = cast_swap_votes(surface, chosen, progress)
+    votes = cast_swap_votes(surface, chosen, parameters, progress)
     timings["voting"] = time.perf_counter() - begin
     begin = time.perf_counter()
     # One BLAS thread: sums must not depend on the number of processors.
     with threadpool_limits(limits=1, user_api="blas"):
         mirrored = replace(surface, positions=surface.positions.conj())
         found = candidate_alignments(surface, mirrored, votes, AlignmentParameters(), with_extremities=False)
-        pairs, confidence, stationary, score = _read_off(surface, votes, found)
-    timings |= {"reading off": time.perf_counter() - begin, "total": time.perf_counter() - start}
+        pairs, confidence, stationary, score = _pairs(surface, votes, found, parameters)
+    timings |= {"pairs": time.perf_counter() - begin, "total": time.perf_counter() - start}
     numbers = surface.mesh.vertex_ids
     return Symmetry(
         pairs=numbers[pairs],
@@ -130,35 +121,35 @@ def symmetry(
         settings={name: getattr(chosen, name) for name in known} | {"votes": votes.n_triplets},
         timings=timings,
         software=dict(software()),
-        warnings=(*surface.notes, *_doubts(surface, score)),
+        warnings=(*surface.notes, *_score_warnings(surface, score, parameters)),
         source=surface,
     )
 
 
-def _read_off(
-    surface: Surface, votes: Votes, found: list[Alignment]
+def _pairs(
+    surface: Surface, votes: Votes, found: list[Alignment], parameters: SymmetryParameters
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, float]:
     """Pairs (Q, 2), confidence (Q,), stationary vertices (S,), all in numbers of the repaired mesh, and score."""
-    samples, unit = surface.samples, np.sqrt(surface.area)
+    samples, unit = surface.samples, surface.scale
     images = mirror_images(surface, found[0], samples) if found else samples
     solver = _Distances(surface)
     distances = solver(images)[:, samples] / unit
-    agreement = np.exp(-((distances / AGREEMENT_RADIUS) ** 2))
+    agreement = np.exp(-((distances / parameters.radius) ** 2))
     ballots = votes.matrix + votes.matrix.T
     support = (ballots * agreement).sum(axis=1) / np.maximum(ballots.sum(axis=1), np.finfo(float).tiny)
     # An isometry that is its own inverse keeps d(T x, y) = d(x, T y).
-    certainty = support * np.exp(-np.abs(distances - distances.T).mean(axis=1) / STRAIN)
+    certainty = support * np.exp(-np.abs(distances - distances.T).mean(axis=1) / parameters.radius)
     matched, _ = max_row_column(ballots * agreement * agreement.T)
     confidence = np.sqrt(certainty[matched].prod(axis=1))
-    once = np.flatnonzero((matched[:, 0] < matched[:, 1]) & (confidence >= LEAST_CONFIDENCE))
+    once = np.flatnonzero((matched[:, 0] < matched[:, 1]) & (confidence >= parameters.least_confidence))
     if not len(once):
-        raise _nothing(surface, votes)
+        raise _not_found(surface, votes)
     once = once[np.argsort(-confidence[once], kind="stable")]
     here, confidence = matched[once, 0], confidence[once]
     pairs = np.stack([samples[here], images[here]], axis=1)
-    first, second = (solver(pairs[:MOST_PAIRS, side]) for side in range(2))
+    first, second = (solver(pairs[: parameters.stationary_pairs, side]) for side in range(2))
     off = np.abs(first - second).mean(axis=0)
-    stationary = np.flatnonzero(off <= max(STATIONARY * unit, solver.mean_edge))
+    stationary = np.flatnonzero(off <= max(parameters.stationary_tolerance * unit, solver.mean_edge))
     taken = set(stationary.tolist())
     kept = []
     for number, pair in enumerate(pairs.tolist()):
@@ -166,15 +157,16 @@ def _read_off(
             taken.update(pair)
             kept.append(number)
     if not kept:
-        raise _nothing(surface, votes)
+        raise _not_found(surface, votes)
     return pairs[kept], confidence[kept], stationary, _score(surface, images)
 
 
 def mirror_images(surface: Surface, alignment: Alignment, vertices: np.ndarray) -> np.ndarray:
-    """Where an explanation, made its own inverse, sends vertices: vertices (q,) int64.
+    """Images (q,) int64 of vertices (q,) under the nearest map to an alignment that is its own inverse.
 
     The functional map C of an isometry that is its own inverse is orthogonal and symmetric, with eigenvalues 1 and -1.
-    The nearest such matrix to the one of the explanation has the eigenvectors of (C + C^T) / 2 and its signs.
+    The nearest such matrix to the functional map of the alignment has the eigenvectors of (C + C^T) / 2 and the signs
+    of its eigenvalues.
     """
     functions = surface.eigenfunctions.astype(np.float64)
     transfer = functional_map(functions[surface.proxy], functions[alignment.image])
@@ -184,7 +176,7 @@ def mirror_images(surface: Surface, alignment: Alignment, vertices: np.ndarray) 
 
 
 def _score(surface: Surface, images: np.ndarray) -> float:
-    """How much more alike samples and their images (N,) are than samples are among each other."""
+    """How similar samples and their images (N,) are, compared with two random samples: in [0, 1]."""
     here, there = (
         wave_kernel_signature(surface.eigenvalues, surface.eigenfunctions[vertices].astype(np.float64))
         for vertices in (surface.samples, images)
@@ -213,17 +205,17 @@ class _Distances:
         return self._scale * np.array([self._solve(int(vertex)) for vertex in vertices])
 
 
-def _nothing(surface: Surface, votes: Votes) -> NothingFoundError:
+def _not_found(surface: Surface, votes: Votes) -> NothingFoundError:
     return NothingFoundError(
         f"{surface.mesh.name}: no mirror symmetry was found with {votes.n_triplets} triplets of points; "
         "raise `votes` or `samples`, or the shape has none"
     )
 
 
-def _doubts(surface: Surface, score: float) -> list[str]:
-    if score >= HARDLY:
+def _score_warnings(surface: Surface, score: float, parameters: SymmetryParameters) -> list[str]:
+    if score >= parameters.low_score:
         return []
     return [
-        f"{surface.mesh.name}: hardly symmetric (score {score:.2f}; bodies in any pose have {HARDLY} or more): "
-        "the pairs are the closest to a symmetry that was found"
+        f"{surface.mesh.name}: hardly symmetric (score {score:.2f}; bodies in any pose reach {parameters.low_score} or "
+        "more): the pairs belong to the map closest to a symmetry"
     ]

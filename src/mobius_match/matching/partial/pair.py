@@ -1,0 +1,161 @@
+"""A part and the whole that it is located on, with what is measured on both in the same units."""
+
+from __future__ import annotations
+
+from copy import copy
+from functools import cached_property
+
+import numpy as np
+
+from ...geometry.curvature import curvatures, rank_correlation
+from ...geometry.directions import directions
+from ...geometry.normals import vertex_normals
+from ...landmarks.constraints import LandmarkConstraints
+from ...registration.parameters import RegistrationParameters
+from ...registration.sparse import Registration
+from ...registration.strain import mean_stretch
+from ...surface.surface import PartialSurface, Surface
+from .agreement import Paths
+from .parameters import PartialParameters
+
+
+class PartPair:
+    """A part and the whole, and how well maps between them agree.
+
+    All lengths are per sqrt(area) of the whole. In all that follows a landmark is a sample of the part together with
+    the sample of the whole nearest to its image.
+
+    Parameters
+    ----------
+    part, whole
+        The surfaces.
+    parameters, registration
+        Constants of the method, and of registration.
+    constraints
+        Given pairs of points, if any.
+    """
+
+    def __init__(
+        self,
+        part: Surface,
+        whole: Surface,
+        parameters: PartialParameters,
+        registration: RegistrationParameters,
+        constraints: LandmarkConstraints | None = None,
+    ) -> None:
+        self.part, self.whole = PartialSurface.of(part, whole.area), whole
+        self.parameters, self.registration, self.constraints = parameters, registration, constraints
+        self.paths1, self.paths2 = _paths(self.part), _paths(whole)
+        self.samples1, self.samples2 = (np.searchsorted(surface.proxy, surface.samples) for surface in (part, whole))
+        curvatures2 = self._curvatures(whole)
+        self._deviation = np.maximum(curvatures2[whole.proxy].std(axis=0), 1e-9)
+        self.curvatures2 = curvatures2 / self._deviation
+        self.curvatures1 = self._curvatures(self.part)[part.proxy] / self._deviation
+
+    def scaled(self, size: float) -> PartPair:
+        """The same with the part at a multiple of the size in its file."""
+        pair = copy(self)
+        pair.__dict__.pop("curvature_costs", None)
+        pair.part = PartialSurface.of(self.part, self.whole.area / size**2)
+        pair.paths1 = _paths(pair.part)
+        pair.curvatures1 = self._curvatures(pair.part)[pair.part.proxy] / self._deviation
+        return pair
+
+    def _curvatures(self, surface: Surface) -> np.ndarray:
+        vertices = (surface.mesh.vertices - surface.mesh.vertices.mean(axis=0)) / surface.scale
+        return curvatures(vertices, surface.mesh.faces, self.parameters.curvature_radii)
+
+    def at_samples(self) -> PartPair:
+        """The same with the samples of the part as all of its points, to compare many maps."""
+        pair = copy(self)
+        pair.paths1, pair.curvatures1 = self.paths1.to(self.samples1), self.curvatures1[self.samples1]
+        pair.curvature_costs = self.curvature_costs[self.samples1]
+        pair.samples1 = np.arange(len(self.samples1))
+        return pair
+
+    def curvature_cost(self, points1: np.ndarray, points2: np.ndarray) -> np.ndarray:
+        """Cost (q1, q2) float32 of the difference in curvature between points of the proxies.
+
+        With given pairs of points, also of the difference of the distances from these.
+        """
+        constants = self.parameters
+        columns = zip(self.curvatures1[points1].T, self.curvatures2[self.whole.proxy[points2]].T, strict=True)
+        difference = sum(np.abs(one[:, None] - two) for one, two in columns) / self.curvatures1.shape[1]
+        costs = np.minimum(constants.curvature_weight * difference, constants.error_cap).astype(np.float32)
+        if self.constraints is not None:
+            vertices = self.part.proxy[points1], self.whole.proxy[points2]
+            disagreement = self.constraints.disagreement(self.part, self.whole, *vertices)
+            costs += np.minimum(disagreement, constants.error_cap).astype(np.float32)
+        return costs
+
+    @cached_property
+    def curvature_costs(self) -> np.ndarray:
+        """:meth:`curvature_cost` between all points of the proxies, (P1, P2)."""
+        return self.curvature_cost(*(np.arange(len(surface.proxy)) for surface in (self.part, self.whole)))
+
+    def compared(self, image: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Compare distances from landmarks under a map of the part's proxy to the whole's, (P1,).
+
+        Returns
+        -------
+        landmarks2
+            (N1,) samples of the whole.
+        errors
+            (N1, P1) absolute differences of the distances from landmarks to points and to their images.
+        snapped
+            (N1,) distances of the samples of the whole from the images of those of the part.
+        """
+        lengths = self.paths2.lengths[:, image]
+        landmarks2 = lengths[:, self.samples1].argmin(axis=0)
+        errors = np.abs(self.paths1.lengths - lengths[landmarks2])
+        return landmarks2, errors, lengths[landmarks2, self.samples1]
+
+    def weighted_errors(self, image: np.ndarray, axis: int) -> np.ndarray:
+        """Mean capped errors of distances, near ones first: (P1,) over landmarks (axis 0), (N1,) over points (1)."""
+        weight = 1 / (self.paths1.lengths + self.parameters.landmark_distance)
+        errors = np.minimum(self.compared(image)[1], self.parameters.error_cap)
+        return np.asarray((weight * errors).sum(axis=axis) / weight.sum(axis=axis))
+
+    def angle_agreement(self, image: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """How well the angles between paths from landmarks agree at points and at their images, (P1,) in [0, 1].
+
+        First for the map as it is, then for its mirror image.
+        """
+        landmarks2 = self.compared(image)[0]
+        here = self.paths1.x + 1j * self.paths1.y
+        there = (self.paths2.x + 1j * self.paths2.y)[np.ix_(landmarks2, image)]
+        most = np.maximum((np.abs(here) * np.abs(there)).sum(axis=0), 1e-9)
+        products = (here * there.conj(), here * there)
+        return tuple(np.abs(product.sum(axis=0)) / most for product in products)
+
+    def map_cost(self, image: np.ndarray) -> float:
+        """Mean error of a map of the part's proxy to the whole's (P1,): distances, angles, curvatures."""
+        angles = 1 - self.angle_agreement(image)[0].mean()
+        of_curvature = self.curvature_costs[np.arange(len(image)), image].mean()
+        return float(self.compared(image)[1].mean() + self.parameters.direction_weight * angles + of_curvature)
+
+    def cost_terms(self, registration: Registration) -> dict[str, float]:
+        """What the cost of a registration is the sum of; 0 is perfect in each term."""
+        image, constants = self.whole.nearest_proxy[registration.image], self.parameters
+        angles = float(1 - self.angle_agreement(image)[0].mean()) + float(registration.normal_deviation.mean())
+        # Gauss curvature is no such term: a cut changes it farther away than mean curvature.
+        mean_curvatures = zip(self.curvatures1.T[1::2], self.curvatures2[registration.image].T[1::2], strict=True)
+        return {
+            "distances": float(self.compared(image)[1].mean()),
+            "curvature": sum(1 - rank_correlation(*both) for both in mean_curvatures),
+            "angles": constants.angle_cost * angles,
+            "stretch": constants.stretch_cost * mean_stretch(self.part, self.whole, registration),
+            "residual": constants.residual_cost * float(registration.residual.mean()),
+        }
+
+    def cost(self, registration: Registration) -> float:
+        """The sum of :meth:`cost_terms`."""
+        return sum(self.cost_terms(registration).values())
+
+
+def _paths(surface: Surface) -> Paths:
+    """From the samples to the points of the proxy."""
+    points, faces = surface.mesh.vertices, surface.mesh.faces
+    normals = vertex_normals(points, faces)[surface.proxy]
+    xy = directions(points[surface.proxy], normals, surface.proxy_edges, surface.proxy_distances)
+    return Paths((surface.proxy_distances / surface.scale).astype(np.float32), *xy)
