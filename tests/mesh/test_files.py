@@ -260,7 +260,7 @@ def test_vtk_in_several_pieces_is_refused(tmp_path):
 def test_libraries_stay_silent(tmp_path, capfd):
     """A cell type that meshio only prints a warning about."""
     text = polygon_files()["a.vtu"].replace("9 5 7", "9 5 99")
-    with pytest.raises(FormatError, match="3 cells are promised, 2 can be read"):
+    with pytest.raises(FormatError, match="the header promises 3 cells, but 2 can be read"):
         read(tmp_path, "a.vtu", text)
     assert capfd.readouterr() == ("", "")
 

@@ -12,6 +12,7 @@ from typing import Any
 from ..errors import FormatError, MeshError
 from .formats.gltf import read_gltf
 from .formats.obj import read_obj
+from .formats.objects import arrays_of, to_array
 from .formats.off import read_off
 from .formats.ply import read_ply
 from .formats.raw import RawMesh
@@ -131,26 +132,35 @@ def unchanged(path: str | os.PathLike[str] | None, sha256: str) -> Path:
 
 
 def as_mesh(thing: Any) -> Mesh:
-    """Make a `Mesh` of whatever a user hands over.
+    """Convert a file, arrays or a mesh of another library to a `Mesh`.
 
     Parameters
     ----------
-    thing : Mesh, path, (vertices, faces), or object with ``.vertices`` and ``.faces``
-        Arrays are taken as they are: (n, 3) coordinates and (m, 3) vertex numbers from 0.
+    thing : Mesh, path, (vertices, faces), or a mesh of another library
+        Arrays are taken as they are: (n, 3) coordinates and (m, 3) vertex numbers from 0. Of other libraries: trimesh
+        meshes and scenes (whose parts are placed by their transforms), PyVista's PolyData, Open3D's TriangleMesh,
+        legacy or tensor, and meshio's Mesh. Polygons are cut into triangles; points and lines are left out and
+        counted in `Mesh.notes`.
 
     Raises
     ------
     MeshError
-        The thing is none of these, or the mesh is not valid (`FormatError` where it is a file).
+        If the thing is none of these, or the mesh is not valid (`FormatError` where it is a file).
     """
     if isinstance(thing, Mesh):
         return thing
     if isinstance(thing, str | os.PathLike):
         return read_mesh(thing)
     if isinstance(thing, tuple | list) and len(thing) == 2:
-        return Mesh(*thing)
-    if hasattr(thing, "vertices") and hasattr(thing, "faces"):
-        return Mesh(thing.vertices, thing.faces)
+        return Mesh(*map(to_array, thing))
+    found = arrays_of(thing)
+    if isinstance(found, RawMesh):
+        return Mesh(
+            found.vertices, found.faces, face_ids=found.face_ids, n_file_faces=found.n_faces, notes=tuple(found.notes)
+        )
+    if found is not None:
+        return Mesh(*found)
     raise MeshError(
-        f"{type(thing).__name__!r} is not a mesh: give a path, a pair (vertices, faces) or an object with both."
+        f"{type(thing).__name__!r} is not a mesh: give a path, a pair (vertices, faces), or a mesh of trimesh, "
+        "PyVista, Open3D or meshio."
     )

@@ -91,6 +91,11 @@ def _as_array(values: Any, what: str, name: str) -> NDArray[Any]:
         raise MeshError(f"{name}: the {what} do not form an array ({error}). Give a plain array.") from error
 
 
+def _transposed(array: NDArray[Any], what: str) -> str:
+    """The remedy for an array of shape (3, n), else an empty text."""
+    return f" If the array is transposed, give {what}.T." if array.ndim == 2 and array.shape[0] == 3 else ""
+
+
 def _frozen(values: NDArray[Any], dtype: type) -> NDArray[Any]:
     """A read-only array of that dtype which nobody else can write to."""
     if (type(values) is np.ndarray and values.dtype == dtype and values.flags.c_contiguous
@@ -104,7 +109,10 @@ def _frozen(values: NDArray[Any], dtype: type) -> NDArray[Any]:
 def _check_vertices(values: Any, name: str) -> Floats:
     array = _as_array(values, "vertices", name)
     if array.ndim != 2 or array.shape[1] != 3 or array.dtype.kind not in "fiu":
-        raise MeshError(f"{name}: vertices must be numbers of shape (n, 3), not {array.dtype} of shape {array.shape}.")
+        raise MeshError(
+            f"{name}: vertices must be numbers of shape (n, 3), not {array.dtype} of shape "
+            f"{array.shape}.{_transposed(array, 'vertices')}"
+        )
     with np.errstate(over="ignore"):
         vertices = _frozen(array, np.float64)
     bad = np.flatnonzero(~np.isfinite(vertices).all(axis=1))
@@ -123,9 +131,8 @@ def _check_faces(values: Any, n_vertices: int, name: str) -> Ints:
         array = np.zeros((0, 3), dtype=np.int64)
     if array.ndim != 2 or array.shape[1] != 3 or array.dtype.kind not in "fiu":
         raise MeshError(
-            f"{name}: faces must be vertex numbers of shape (m, 3), not {array.dtype} of shape "
-            f"{array.shape}. "
-            "Cut polygons into triangles first."
+            f"{name}: faces must be vertex numbers of shape (m, 3), not {array.dtype} of shape {array.shape}."
+            f"{_transposed(array, 'faces')}{'' if array.shape[1:] > (4,) else ' Cut polygons into triangles first.'}"
         )
     # Compared in the caller's own type: 2**64 - 1 or 1e300 must not wrap into range.
     inside = (array >= 0) & (array < n_vertices)

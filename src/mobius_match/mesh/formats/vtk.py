@@ -17,13 +17,13 @@ from xml.etree import ElementTree
 import numpy as np
 
 from ...errors import FormatError
-from .raw import RawMesh, from_polygons, promised
+from .cells import from_cells
+from .raw import RawMesh, promised
 
 SECTION = re.compile(
     rb"(?im)^(POINTS|VERTICES|LINES|POLYGONS|TRIANGLE_STRIPS|CELLS|CELL_TYPES|FIELD|POINT_DATA|CELL_DATA)"
     rb"[ \t]+(\w{1,40})(?:[ \t]+(\w{1,40}))?[ \t]*$"
 )
-SURFACES, LOWER = ("triangle", "quad", "polygon"), ("vertex", "line")
 
 
 def read_vtk(data: bytes) -> RawMesh:
@@ -113,24 +113,9 @@ def _meshio(data: bytes, kind: str, count: int) -> RawMesh:
         path = Path(folder) / f"mesh.{kind}"
         path.write_bytes(data)
         mesh: Any = {"vtk": meshio.vtk, "vtu": meshio.vtu}[kind].read(path)
-    place, lower, sizes, corners = 0, 0, [np.zeros(0, dtype=np.int64)], [np.zeros(0, dtype=np.int64)]
-    for block in mesh.cells:
-        cells = np.asarray(block.data, dtype=np.int64)
-        if block.type not in (*SURFACES, *LOWER):
-            raise FormatError(
-                f"{len(cells)} cell(s) of type {block.type} are neither triangles, quadrilaterals nor "
-                f"polygons (the first is cell {place}). Extract the surface and save it as PolyData."
-            )
-        place += len(cells)
-        if block.type in LOWER:
-            # Faces keep the number of their cell: a cell without a surface becomes a face without corners.
-            lower += len(cells)
-            cells = cells[:, :0]
-        sizes.append(np.full(len(cells), cells.shape[1]))
-        corners.append(cells.ravel())
-    if place != count:
+    found = sum(len(block.data) for block in mesh.cells)
+    if found != count:
         raise FormatError(
-            f"{count} cells are promised, {place} can be read. Save the surface as PolyData, or export again."
+            f"the header promises {count} cells, but {found} can be read. Save the surface as PolyData, or export again."
         )
-    notes = [f"{lower} point or line cell(s) kept in the numbering, but without a face."] if lower else []
-    return from_polygons(mesh.points, np.concatenate(sizes), np.concatenate(corners), notes)
+    return from_cells(mesh.points, ((block.type, block.data) for block in mesh.cells))
