@@ -63,7 +63,7 @@ def test_numbers_are_kept(tmp_path, files, numbered, name):
     assert mesh.name == name and mesh.path == tmp_path / name and mesh.notes == ()
     fixed = repair(mesh)
     np.testing.assert_array_equal(fixed.vertex_ids, np.unique(f))
-    assert fixed.notes == ("2 vertices that no face uses left out.",)
+    assert fixed.notes == ("2 unused vertices dropped.",)
     require_matchable(fixed)
 
 

@@ -10,7 +10,6 @@ from numpy.typing import ArrayLike
 from ...errors import FormatError
 from ..mesh import Floats, Ints
 
-
 DAMAGED = "The file is damaged or was cut short: export it again."
 
 

@@ -1,7 +1,7 @@
 """VTK files, read by meshio: legacy .vtk, and .vtp and .vtu in XML.
 
-meshio does not know PolyData, which is handed over as an unstructured grid of polygons. Of several pieces it
-keeps only the cells of the last, so those are refused.
+meshio does not know PolyData, which is passed to it as an unstructured grid of polygons. Of a file with several pieces
+it keeps the cells of the last alone, so such files are refused.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ def read_vtk(data: bytes) -> RawMesh:
     data = data.replace(b"\r\n", b"\n") if text else data
     found = list(SECTION.finditer(data))
     stops = [section.start() for section in found[1:]] + [len(data)]
-    # The first of each name: what stands behind POINT_DATA is of no interest.
+    # The first of each name: what follows POINT_DATA is not needed.
     sections = {
         section[1].upper(): (section[2], section[3] or b"0", data[section.start() : stop])
         for section, stop in reversed(list(zip(found, stops, strict=True)))
@@ -87,7 +87,7 @@ def read_vtkxml(data: bytes) -> RawMesh:
     spare = ElementTree.SubElement(grid, "FieldData")
     for group in list(piece):
         if group.tag not in ("Points", "Polys", "Cells"):
-            # Kept as data of no meaning: meshio wants an owner for every appended array.
+            # Kept as field data: meshio needs an owner for every appended array.
             piece.remove(group)
             spare.extend(group)
     if kind == "PolyData":
@@ -106,7 +106,7 @@ def read_vtkxml(data: bytes) -> RawMesh:
 
 
 def _meshio(data: bytes, kind: str, count: int) -> RawMesh:
-    """What meshio reads from these bytes; they go through a file because it reads from nothing else."""
+    """Read these bytes with meshio, through a temporary file: it reads nothing else."""
     import meshio
 
     with tempfile.TemporaryDirectory() as folder, contextlib.redirect_stderr(io.StringIO()):
@@ -116,6 +116,7 @@ def _meshio(data: bytes, kind: str, count: int) -> RawMesh:
     found = sum(len(block.data) for block in mesh.cells)
     if found != count:
         raise FormatError(
-            f"the header promises {count} cells, but {found} can be read. Save the surface as PolyData, or export again."
+            f"the header promises {count} cells, but {found} can be read. "
+            "Save the surface as PolyData, or export it again."
         )
     return from_cells(mesh.points, ((block.type, block.data) for block in mesh.cells))
