@@ -144,7 +144,7 @@ def test_a_result_is_matched_again(mobius, pair, tmp_path):
         (("--what", "colors", "-o", "out.stl"), 2, "should end in one of .ply"),
         (("--what", "colors", "-o", "nowhere/out.ply"), 2, "does not exist"),
         (("--what", "colors", "-o", "map.npz"), 2, "is one of the inputs"),
-        (("--what", "labels", "-o", "out.obj"), 2, "labels and values are kept in .ply"),
+        (("--what", "labels", "-o", "out.obj"), 2, "labels and values can be written to .ply"),
         (("--what", "colors", "--what", "labels", "-o", "out.csv"), 2, "several were asked for"),
         (("--what", "positions", "--what", "colors", "-o", "out.ply"), 2, "ask twice"),
         (("--what", "marks.csv", "-o", "out.ply"), 2, "landmarks are written as .csv"),

@@ -119,8 +119,8 @@ def test_seams_get_copies_behind_all_vertices():
     ("name", "others", "message"),
     [
         ("a.off", {}, "written as .ply, .glb, .obj"),
-        ("a.obj", {"labels": np.zeros(320, int)}, "kept in .ply files"),
-        ("a.glb", {"values": {"a": np.zeros(162)}}, "kept in .ply files"),
+        ("a.obj", {"labels": np.zeros(320, int)}, "can be written to .ply files"),
+        ("a.glb", {"values": {"a": np.zeros(162)}}, "can be written to .ply files"),
         ("a.glb", {"colors": np.zeros((162, 4), np.uint8), "uv": np.zeros((320, 3, 2))}, "not both"),
     ],
 )

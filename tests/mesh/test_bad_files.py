@@ -38,7 +38,7 @@ def test_missing_folder_empty_unknown(tmp_path):
         with pytest.raises(FormatError, match=r"empty\.ply: the file is empty"):
             read_mesh(tmp_path / "empty.ply")
     (tmp_path / "scan.xyz").write_bytes(b"1 2 3")
-    with pytest.raises(FormatError, match=r"unknown ending '\.xyz'\. Readable are \.off, \.obj, .*\.vtu: export"):
+    with pytest.raises(FormatError, match=r"unknown ending '\.xyz'\. Supported are \.off, \.obj, .*\.vtu: export"):
         read_mesh(tmp_path / "scan.xyz")
     for odd in ("", "a\0b.off", "x" * 5000 + ".off"):
         with pytest.raises(FormatError):

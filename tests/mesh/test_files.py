@@ -63,7 +63,7 @@ def test_numbers_are_kept(tmp_path, files, numbered, name):
     assert mesh.name == name and mesh.path == tmp_path / name and mesh.notes == ()
     fixed = repair(mesh)
     np.testing.assert_array_equal(fixed.vertex_ids, np.unique(f))
-    assert fixed.notes == ("2 vertices that no face uses left out.",)
+    assert fixed.notes == ("2 unused vertices dropped.",)
     require_matchable(fixed)
 
 
@@ -260,7 +260,7 @@ def test_vtk_in_several_pieces_is_refused(tmp_path):
 def test_libraries_stay_silent(tmp_path, capfd):
     """A cell type that meshio only prints a warning about."""
     text = polygon_files()["a.vtu"].replace("9 5 7", "9 5 99")
-    with pytest.raises(FormatError, match="3 cells are promised, 2 can be read"):
+    with pytest.raises(FormatError, match="the header promises 3 cells, but 2 can be read"):
         read(tmp_path, "a.vtu", text)
     assert capfd.readouterr() == ("", "")
 

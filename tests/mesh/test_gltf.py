@@ -65,7 +65,7 @@ def test_gltf_scene(tmp_path):
     np.testing.assert_allclose(mesh.vertices[mesh.faces], expected, atol=1e-12)
     assert mesh.notes == (
         "1 primitive(s) of points or lines left out.",
-        "4 parts put together in the order of the scene's nodes; vertices count on through them.",
+        "4 parts combined in the order of the scene's nodes; vertices are numbered in that order.",
     )
 
 
@@ -118,7 +118,7 @@ def test_gltf_bomb_is_refused(tmp_path, monkeypatch):
     """Many nodes that show one mesh: small on disk, without end in memory."""
     tree, data = scene_tree()
     (tmp_path / "part one.bin").write_bytes(data)
-    monkeypatch.setattr("mobius_match.mesh.formats.gltf.MAX_TRIANGLES", 10_000)
+    monkeypatch.setattr("mobius_match.mesh.formats.scenes.MAX_TRIANGLES", 10_000)
     tree["nodes"] = [{"mesh": 0}] * 3000
     tree["scenes"] = [{"nodes": list(range(3000))}]
     with pytest.raises(FormatError, match="triangles and vertices in all nodes, but only 10000"):

@@ -56,7 +56,7 @@ def test_hash_depends_on_the_contents_alone():
         (V.ravel(), F, "shape"),
         (V.astype(complex), F, "complex128"),
         ([["a"] * 3] * 4, F, r"vertices must be numbers"),
-        ([[0, 0, 0], [1, 1]], F, "vertices do not form an array"),
+        ([[0, 0, 0], [1, 1]], F, "vertices cannot be converted to an array"),
         (V, F[:, :2], r"faces must be vertex numbers of shape \(m, 3\).*Cut polygons"),
         (V, np.zeros((2, 4), int), "Cut polygons into triangles"),
         (V, F + 0.5, "face 0 .* names vertex 0.5"),

@@ -54,10 +54,10 @@ def test_random_flips_of_a_closed_sphere_all_come_back_outward(seed, share):
     if count == 0:
         assert fixed.notes == ()
     elif count == len(faces):
-        assert fixed.notes == ("closed surface turned outwards (80 faces).",)
+        assert fixed.notes == ("closed surface turned outwards (80 faces reversed).",)
     else:
         noun = "face" if count == 1 else "faces"
-        assert fixed.notes == (f"{count} {noun} turned round to agree with the faces next to them.",)
+        assert fixed.notes == (f"{count} {noun} reversed to agree with their neighbours.",)
 
 
 def test_an_open_surface_follows_its_majority(shapes):
@@ -67,7 +67,7 @@ def test_an_open_surface_follows_its_majority(shapes):
     for given_faces, expected in ((wrong, faces), (wrong[:, ::-1], faces[:, ::-1])):
         fixed = repair(Mesh(vertices, given_faces))
         assert rows(fixed.faces) == rows(expected)
-        assert fixed.notes == ("3 faces turned round to agree with the faces next to them.",)
+        assert fixed.notes == ("3 faces reversed to agree with their neighbours.",)
 
 
 def test_drops_double_and_repeated_faces_and_unused_vertices(shapes):
@@ -80,9 +80,9 @@ def test_drops_double_and_repeated_faces_and_unused_vertices(shapes):
     np.testing.assert_array_equal(fixed.face_ids, np.arange(1, len(faces) + 1))
     assert rows(fixed.vertex_ids[fixed.faces]) == rows(faces)
     assert fixed.notes == (
-        "1 face naming one vertex twice dropped.",
-        "4 faces repeating another face dropped.",
-        "2 vertices that no face uses left out.",
+        "1 face that names a vertex twice dropped.",
+        "4 duplicate faces dropped.",
+        "2 unused vertices dropped.",
     )
     assert fixed.n_file_vertices == len(vertices)
 
@@ -96,7 +96,7 @@ def test_joins_seams_to_the_lowest_number(shapes):
     number[seam] = len(vertices) + np.arange(len(seam))
     split = np.where(upper[:, None], number[faces], faces)
     fixed = repair(Mesh(np.concatenate([vertices, vertices[seam]]), split))
-    assert fixed.notes == (f"{len(seam)} vertices joined to a twin with the same coordinates (seams sewn up).",)
+    assert fixed.notes == (f"{len(seam)} vertices merged with another of the same coordinates, along seams.",)
     np.testing.assert_array_equal(fixed.vertex_ids, np.arange(len(vertices)))
     assert rows(fixed.faces) == rows(faces)
     require_matchable(fixed)
@@ -128,13 +128,13 @@ def test_a_double_sided_sheet_becomes_single(shapes):
     vertices, faces = shapes.disc()
     fixed = repair(Mesh(*shapes.union((vertices, faces), (vertices, faces[:, ::-1]))))
     assert rows(fixed.faces) == rows(faces)
-    assert fixed.notes[0] == "72 faces lying exactly on another piece of the surface dropped."
+    assert fixed.notes[0] == "72 faces dropped: their piece coincides with another piece of the surface."
 
 
 def test_cuts_a_bowtie_apart_and_keeps_the_number(shapes):
     vertices, faces = shapes.bowtie()
     fixed = repair(Mesh(vertices, faces))
-    assert "1 cut(s) made at vertices where parts of the surface only touch." in fixed.notes
+    assert "1 vertex added where parts of the surface only touch, to separate them." in fixed.notes
     assert (fixed.vertex_ids == 0).sum() == 2
     np.testing.assert_array_equal(fixed.vertex_ids[fixed.faces], faces)
     assert not len(tp.nonmanifold_vertices(fixed.faces))
@@ -146,7 +146,7 @@ def test_leaves_out_small_loose_pieces_only(shapes):
     vertices, faces = shapes.sphere()
     crumbs = [(vertices * 0.03 + 3 * k, faces) for k in (1, 2)]
     fixed = repair(Mesh(*shapes.union(crumbs[0], (vertices, faces), crumbs[1])))
-    assert fixed.notes[0] == "2 loose piece(s), 640 faces, 0.18 % of the area, left out."
+    assert fixed.notes[0] == "2 small loose pieces dropped (640 faces, 0.18 % of the area)."
     np.testing.assert_array_equal(fixed.vertex_ids, 162 + np.arange(162))
     np.testing.assert_array_equal(fixed.face_ids, 320 + np.arange(320))
     require_matchable(fixed)
@@ -156,7 +156,7 @@ def test_leaves_out_small_loose_pieces_only(shapes):
         require_matchable(large)
 
 
-def test_a_point_doubled_along_an_edge_is_drawn_together(shapes):
+def test_a_point_doubled_along_an_edge_is_merged(shapes):
     """Vertex 50 split in two at one place, with two faces of no area between them."""
     vertices, faces = shapes.sphere()
     ring = np.flatnonzero((faces == 50).any(axis=1))
@@ -175,11 +175,11 @@ def test_a_point_doubled_along_an_edge_is_drawn_together(shapes):
     mesh = Mesh(np.concatenate([vertices, vertices[50:51]]), split)
     assert tp.genus(mesh.faces) == 0 and not tp.sides(mesh.faces, tp.edge_table(mesh.faces))[1].any()
     fixed = repair(mesh)
-    assert fixed.notes == ("1 edge(s) of next to no length drawn together, with 2 faces.",)
+    assert fixed.notes == ("1 near-zero-length edge collapsed (2 faces removed).",)
     assert rows(fixed.faces) == rows(faces)
 
 
-def test_a_cap_is_turned_and_keeps_every_vertex(shapes):
+def test_a_cap_is_flipped_and_every_vertex_stays(shapes):
     """A new vertex on an edge, used by one of the two faces only: the other sees a flat triangle."""
     vertices, faces = shapes.sphere()
     a, b, p = faces[7]
@@ -188,7 +188,7 @@ def test_a_cap_is_turned_and_keeps_every_vertex(shapes):
     cut = np.concatenate([np.delete(faces, 7, axis=0), [[a, middle, p], [middle, b, p], [a, b, middle]]])
     mesh = Mesh(vertices, cut)
     fixed = repair(mesh)
-    assert fixed.notes == ("1 face without area removed by turning an edge or at the boundary.",)
+    assert fixed.notes == ("1 face without area removed (by edge flips, or at the boundary).",)
     assert len(fixed.vertices) == len(vertices) and len(fixed.faces) == len(cut)
     assert not is_flat(fixed.vertices, fixed.faces).any() and tp.genus(fixed.faces) == 0
     assert volume(fixed) == pytest.approx(volume(mesh), rel=1e-14)
@@ -202,7 +202,7 @@ def test_a_flat_ear_on_the_boundary_goes(shapes):
     a, b = 0, 7  # an edge of the boundary, in the direction of its face or against it
     vertices = np.concatenate([vertices, [2 * vertices[a] - vertices[b]]])
     fixed = repair(Mesh(vertices, np.concatenate([faces, [[a, b, len(vertices) - 1]]])))
-    assert "1 face without area removed by turning an edge or at the boundary." in fixed.notes
+    assert "1 face without area removed (by edge flips, or at the boundary)." in fixed.notes
     assert rows(fixed.faces) == rows(faces)
 
 

@@ -1,4 +1,4 @@
-"""Meshes: read from files or arrays, checked, repaired, and never renumbered behind the user's back."""
+"""Meshes: read from files or arrays, checked and repaired. Vertex and face numbers of the user are always kept."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
-"""What a mesh file holds besides its shape: colours, texture coordinates with their picture, and labels of faces.
+"""Appearance of a mesh file: colours, texture coordinates with their image, and labels of faces.
 
-The file is read by trimesh, which may split vertices and change the order of faces; so everything is first given to the
-corners of triangles, which are found again by where they lie.
+The file is read by trimesh, which may split vertices and change the order of faces. So all values are first assigned to
+the corners of triangles, which are then matched by their coordinates.
 """
 
 from __future__ import annotations
@@ -20,20 +20,20 @@ from .measure import box_scale
 from .mesh import Mesh
 
 LABELS = ("label", "labels", "segment", "part", "class", "category")
-"""Names that a property of faces may have in a PLY file to be taken for labels."""
+"""Properties of faces in a PLY file that are read as labels."""
 
 TOLERANCE = 1e-5
-"""How far apart two corners that are one may lie, per half of the mesh's extent."""
+"""Distance up to which two corners are the same, as a fraction of half the mesh's extent."""
 
 
 @dataclass(frozen=True, eq=False)
 class Appearance:
-    """What a mesh file holds besides its shape, in the numbers of the file.
+    """Colours, texture and labels of a mesh file, in the numbering of the file.
 
     Parameters
     ----------
     mesh
-        The mesh as the file has it.
+        The unrepaired mesh of the file.
     colors
         (n, 4) uint8 RGBA at the vertices, from the texture where the vertices have none; None without either.
     uv
@@ -43,7 +43,7 @@ class Appearance:
     labels
         (n_file_faces,) int64, one for each face of the file, or None.
     sampled
-        Whether the colours are the texture's.
+        Whether the colours were sampled from the texture.
     """
 
     mesh: Mesh
@@ -60,7 +60,7 @@ def read_appearance(path: Path) -> Appearance:
     Raises
     ------
     FormatError
-        If the file cannot be read, or its faces cannot be found again.
+        If the file cannot be read, or its faces cannot be identified.
     """
     import trimesh
 
@@ -71,7 +71,7 @@ def read_appearance(path: Path) -> Appearance:
             loaded: Any = trimesh.load(path, process=False, force="mesh")
             colors, uv, image, sampled = _visual(loaded)
             own = _own_colors(path, loaded, len(mesh.vertices))
-    except Exception as error:  # readers of many formats fail in countless ways; users get one error
+    except Exception as error:  # readers of many formats fail in many ways; users get one error
         raise FormatError(f"{path}: its colours and textures cannot be read ({error}). Export it again.") from error
     labels = _labels(loaded, mesh)
     if colors is None and uv is None:
@@ -79,14 +79,14 @@ def read_appearance(path: Path) -> Appearance:
     corners = _corners(mesh, loaded)
     if colors is not None:
         of_corners, colors = colors[corners], np.full((len(mesh.vertices), 4), 255, np.uint8)
-        colors[mesh.faces[::-1]] = of_corners[::-1]  # backwards, so that of several corners the first decides
+        colors[mesh.faces[::-1]] = of_corners[::-1]  # backwards: of several corners the first is used
     if own is not None:
         colors = own
     return Appearance(mesh, colors, None if uv is None else uv[corners], image, labels, sampled and own is None)
 
 
 def _visual(loaded: Any) -> tuple[np.ndarray | None, np.ndarray | None, bytes | None, bool]:
-    """Colours and texture coordinates at trimesh's vertices, the picture, and whether the colours are the picture's."""
+    """Colours and texture coordinates at trimesh's vertices, the image, and whether the colours come from it."""
     visual = loaded.visual
     if visual.kind == "vertex":
         return np.asarray(visual.vertex_colors, np.uint8), None, None, False
@@ -105,7 +105,7 @@ def _visual(loaded: Any) -> tuple[np.ndarray | None, np.ndarray | None, bytes | 
 
 
 def _own_colors(path: Path, loaded: Any, size: int) -> np.ndarray | None:
-    """Colours (size, 4) of the vertices in .ply and .obj files, which trimesh forgets where there is a texture."""
+    """Colours (size, 4) of the vertices in .ply and .obj files, which trimesh drops where there is a texture."""
     colors = np.full((size, 4), 255, np.uint8)
     if path.suffix.lower() == ".ply":
         element = loaded.metadata["_ply_raw"]["vertex"]
@@ -124,23 +124,24 @@ def _own_colors(path: Path, loaded: Any, size: int) -> np.ndarray | None:
 def _corners(mesh: Mesh, loaded: Any) -> np.ndarray:
     """Trimesh's vertex (m, 3) at each corner of the mesh."""
     scale = box_scale(mesh.vertices)
-    there, faces = np.asarray(loaded.vertices) / scale, np.asarray(loaded.faces)
-    ours, theirs = mesh.vertices[mesh.faces] / scale, there[faces]
+    faces = np.asarray(loaded.faces)
+    ours, theirs = mesh.vertices[mesh.faces] / scale, np.asarray(loaded.vertices)[faces] / scale
     if ours.shape == theirs.shape and np.abs(ours - theirs).max() < TOLERANCE:
         return faces
     from scipy.spatial import cKDTree
 
     tree = cKDTree(theirs.reshape(-1, 9))
-    found = [tree.query(np.roll(ours, -turn, axis=1).reshape(-1, 9)) for turn in range(3)]
-    apart = np.stack([one[0] for one in found])
-    turn = apart.argmin(axis=0)
-    missing = np.flatnonzero(apart.min(axis=0) > 3 * TOLERANCE)
+    # A face may begin at another of its corners.
+    results = [tree.query(np.roll(ours, -turn, axis=1).reshape(-1, 9)) for turn in range(3)]
+    distances = np.stack([distance for distance, _ in results])
+    turn = distances.argmin(axis=0)
+    missing = np.flatnonzero(distances.min(axis=0) > 3 * TOLERANCE)
     if len(missing):
         raise FormatError(
-            f"{mesh.path}: the colours and textures of {len(missing)} faces, the first is face {missing[0]}, cannot be "
-            "told apart. Export it again, as triangles."
+            f"{mesh.path}: the colours and textures of {len(missing)} faces cannot be assigned, the first is face "
+            f"{missing[0]}. Export it again, as triangles."
         )
-    rows = np.stack([one[1] for one in found])[turn, np.arange(len(ours))]
+    rows = np.stack([row for _, row in results])[turn, np.arange(len(ours))]
     return faces[rows[:, None], (np.arange(3) - turn[:, None]) % 3]
 
 

@@ -12,6 +12,7 @@ from typing import Any
 from ..errors import FormatError, MeshError
 from .formats.gltf import read_gltf
 from .formats.obj import read_obj
+from .formats.objects import arrays_of, to_array
 from .formats.off import read_off
 from .formats.ply import read_ply
 from .formats.raw import RawMesh
@@ -43,32 +44,32 @@ def read_mesh(path: str | os.PathLike[str]) -> Mesh:
     Returns
     -------
     Mesh
-        Unrepaired: polygons are cut into triangles (`Mesh.face_ids` names the polygon of each), STL corners
-        with equal coordinates are joined (the format has no vertex numbers), nothing else is changed.
+        Unrepaired: polygons are cut into triangles (`Mesh.face_ids` has the polygon of each), STL corners with equal
+        coordinates are merged (the format has no vertex numbers), nothing else is changed.
 
     Raises
     ------
     FormatError
-        No such file, a folder, empty, an unknown ending, damaged or cut short.
+        If the file does not exist, is a folder, is empty, has an unknown ending, is damaged or cut short.
     MeshError
-        No vertices or faces, or coordinates that are not finite.
+        If there are no vertices or no faces, or coordinates are not finite.
     """
     path, data = _load(path)
     reader = READERS[path.suffix.lower()]
     try:
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # numpy's, on odd numbers: checked below
-            # How numpy tells that a text of numbers ends in something else; the libraries let it pass.
+            warnings.simplefilter("ignore")  # of numpy, on unusual numbers: checked below
+            # numpy only warns where a text of numbers ends in something else; the libraries ignore it.
             warnings.filterwarnings("error", message="string or file could not be read")
             raw = reader(data, path)
     except MeshError as error:
         raise type(error)(f"{path}: {error}") from error
     except Exception as error:
-        # Damaged files make the readers fail in countless ways; users get one error.
+        # Damaged files make the readers fail in many ways; users get one error.
         kind = path.suffix[1:].upper()
         raise FormatError(
             f"{path}: cannot be read as {kind} ({type(error).__name__}: {error}). "
-            "The file is damaged, cut short or of another kind than its name says: export it again."
+            "The file is damaged, cut short, or of another format than its ending says: export it again."
         ) from error
     if not len(raw.vertices) or not raw.n_faces:
         raise MeshError(
@@ -88,17 +89,17 @@ def read_mesh(path: str | os.PathLike[str]) -> Mesh:
 
 
 def _load(given: str | os.PathLike[str]) -> tuple[Path, bytes]:
-    """The file's bytes, once it is known to be a file of a known kind."""
+    """The path and bytes of a file with a known ending."""
     path = Path(given)
     endings = ", ".join(READERS)
     try:
         if not path.exists():
             raise FormatError(f"{path}: no such file. Check the path.")
         if not path.is_file():
-            raise FormatError(f"{path}: is a folder or a device, not a file. Name one mesh file.")
+            raise FormatError(f"{path}: is a folder or a device, not a file. Give the path of one mesh file.")
         if path.suffix.lower() not in READERS:
             raise FormatError(
-                f"{path}: unknown ending {path.suffix!r}. Readable are {endings}: export to one of these."
+                f"{path}: unknown ending {path.suffix!r}. Supported are {endings}: export to one of these."
             )
         data = path.read_bytes()
     except (OSError, ValueError) as error:
@@ -111,46 +112,55 @@ def _load(given: str | os.PathLike[str]) -> tuple[Path, bytes]:
 
 
 def unchanged(path: str | os.PathLike[str] | None, sha256: str) -> Path:
-    """The path of a mesh that something was made of, if the same file is still there.
+    """The path of a mesh file, checked to have the same content as when it was read.
 
     Raises
     ------
     MeshError
-        No path (the mesh was given as arrays), or the file has changed since.
+        If there is no path (the mesh was given as arrays), or the file has changed since.
     FormatError
-        No such file.
+        If the file does not exist.
     """
     if path is None:
-        raise MeshError("a mesh was given as arrays, of which no file is known; match again from files.")
+        raise MeshError("a mesh was given as arrays, so there is no file to read it from; match again from files.")
     if not Path(path).exists():
-        raise FormatError(f"{path}: no such file. Put it back, or work from the folder in which it was matched.")
+        raise FormatError(f"{path}: no such file. Put it back, or run this from the folder in which it was matched.")
     path, data = _load(path)
     if hashlib.sha256(data).hexdigest() != sha256:
-        raise MeshError(f"{path}: the file has changed since the match. Match again, or put the old file back.")
+        raise MeshError(f"{path}: the file has changed since the match. Match again, or restore the old file.")
     return path
 
 
 def as_mesh(thing: Any) -> Mesh:
-    """Make a `Mesh` of whatever a user hands over.
+    """Convert a file, arrays or a mesh of another library to a `Mesh`.
 
     Parameters
     ----------
-    thing : Mesh, path, (vertices, faces), or object with ``.vertices`` and ``.faces``
-        Arrays are taken as they are: (n, 3) coordinates and (m, 3) vertex numbers from 0.
+    thing : Mesh, path, (vertices, faces), or a mesh of another library
+        Arrays are taken as they are: (n, 3) coordinates and (m, 3) vertex numbers from 0. Of other libraries: trimesh
+        meshes and scenes (whose parts are placed by their transforms), PyVista's PolyData, Open3D's TriangleMesh,
+        legacy or tensor, and meshio's Mesh. Polygons are cut into triangles; points and lines are left out and
+        counted in `Mesh.notes`.
 
     Raises
     ------
     MeshError
-        The thing is none of these, or the mesh is not valid (`FormatError` where it is a file).
+        If the thing is none of these, or the mesh is not valid (`FormatError` where it is a file).
     """
     if isinstance(thing, Mesh):
         return thing
     if isinstance(thing, str | os.PathLike):
         return read_mesh(thing)
     if isinstance(thing, tuple | list) and len(thing) == 2:
-        return Mesh(*thing)
-    if hasattr(thing, "vertices") and hasattr(thing, "faces"):
-        return Mesh(thing.vertices, thing.faces)
+        return Mesh(*map(to_array, thing))
+    found = arrays_of(thing)
+    if isinstance(found, RawMesh):
+        return Mesh(
+            found.vertices, found.faces, face_ids=found.face_ids, n_file_faces=found.n_faces, notes=tuple(found.notes)
+        )
+    if found is not None:
+        return Mesh(*found)
     raise MeshError(
-        f"{type(thing).__name__!r} is not a mesh: give a path, a pair (vertices, faces) or an object with both."
+        f"{type(thing).__name__!r} is not a mesh: give a path, a pair (vertices, faces), or a mesh of trimesh, "
+        "PyVista, Open3D or meshio."
     )

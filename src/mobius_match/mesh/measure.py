@@ -1,4 +1,4 @@
-"""Lengths and areas that neither overflow nor underflow, whatever the units of the mesh."""
+"""Lengths and areas that neither overflow nor underflow, for meshes in any unit."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from .mesh import Floats, Ints
 
 
 def box_scale(vertices: Floats) -> float:
-    """Half of the largest extent, which `unit_box` divides by; 1 where all vertices coincide."""
+    """Half of the largest extent, by which `unit_box` divides; 1 where all vertices coincide."""
     scale = float((vertices.max(axis=0) / 2 - vertices.min(axis=0) / 2).max()) if len(vertices) else 0.0
     return scale or 1.0
 
@@ -33,7 +33,7 @@ def cross_products(vertices: Floats, faces: Ints) -> Floats:
 
 
 def vertex_sums(faces: Ints, vectors: Floats, n_vertices: int) -> Floats:
-    """Sum of the vectors (m, 3) of the faces around each vertex, (n, 3); of area vectors, a normal not yet scaled."""
+    """Sum (n, 3) of the vectors (m, 3) of the faces around each vertex; of area vectors, an unnormalised normal."""
     corner = faces.ravel()
     return np.stack([np.bincount(corner, np.repeat(v, 3), n_vertices) for v in vectors.T], axis=1)
 

@@ -1,4 +1,4 @@
-"""The `Mesh`: two arrays, checked and frozen, that remember the numbers of the user's own file."""
+"""The `Mesh`: vertices and faces, checked and read-only, with the numbers that they have in the user's file."""
 
 from __future__ import annotations
 
@@ -20,8 +20,8 @@ Ints = NDArray[np.int64]
 class Mesh:
     """A triangle mesh.
 
-    Only `vertices` and `faces` are needed; the rest is filled in. The arrays are copied where that is
-    needed to make them read-only without touching the caller's.
+    Only `vertices` and `faces` are required. The arrays are read-only; they are copied if the caller could still write
+    to them.
 
     Parameters
     ----------
@@ -43,12 +43,12 @@ class Mesh:
     n_file_vertices, n_file_faces
         Numbers of vertices and faces of the user's file.
     notes
-        One line for each step of reading and repair that a user should know of.
+        One line for each change made on reading and repair.
 
     Raises
     ------
     MeshError
-        Wrong shapes or types, coordinates that are not finite, vertex numbers out of range.
+        If shapes or types are wrong, coordinates are not finite, or vertex numbers are out of range.
     """
 
     vertices: Floats
@@ -89,11 +89,16 @@ def _as_array(values: Any, what: str, name: str) -> NDArray[Any]:
     try:
         return np.asarray(values)
     except Exception as error:  # ragged lists, objects with a broken __array__
-        raise MeshError(f"{name}: the {what} do not form an array ({error}). Give a plain array.") from error
+        raise MeshError(f"{name}: {what} cannot be converted to an array ({error}). Give a plain array.") from error
+
+
+def _transposed(array: NDArray[Any], what: str) -> str:
+    """The remedy for an array of shape (3, n), else an empty text."""
+    return f" If the array is transposed, give {what}.T." if array.ndim == 2 and array.shape[0] == 3 else ""
 
 
 def _frozen(values: NDArray[Any], dtype: type) -> NDArray[Any]:
-    """A read-only array of that dtype which nobody else can write to."""
+    """A read-only array of that dtype that no one else can write to."""
     if (type(values) is np.ndarray and values.dtype == dtype and values.flags.c_contiguous
             and not values.flags.writeable and values.flags.owndata):  # fmt: skip
         return values
@@ -105,15 +110,17 @@ def _frozen(values: NDArray[Any], dtype: type) -> NDArray[Any]:
 def _check_vertices(values: Any, name: str) -> Floats:
     array = _as_array(values, "vertices", name)
     if array.ndim != 2 or array.shape[1] != 3 or array.dtype.kind not in "fiu":
-        raise MeshError(f"{name}: vertices must be numbers of shape (n, 3), not {array.dtype} of shape {array.shape}.")
+        raise MeshError(
+            f"{name}: vertices must be numbers of shape (n, 3), not {array.dtype} of shape "
+            f"{array.shape}.{_transposed(array, 'vertices')}"
+        )
     with np.errstate(over="ignore"):
         vertices = _frozen(array, np.float64)
     bad = np.flatnonzero(~np.isfinite(vertices).all(axis=1))
     if len(bad):
         raise MeshError(
-            f"{name}: {_count(len(bad), 'vertex has', 'vertices have')} a coordinate that is not a "
-            "finite number, "
-            f"the first is vertex {bad[0]} (counting from 0). Repair or remove them in the file."
+            f"{name}: {count(len(bad), 'vertex has', 'vertices have')} a coordinate that is not a finite number, "
+            f"the first is vertex {bad[0]} (counting from 0). Correct or remove them."
         )
     return vertices
 
@@ -124,11 +131,10 @@ def _check_faces(values: Any, n_vertices: int, name: str) -> Ints:
         array = np.zeros((0, 3), dtype=np.int64)
     if array.ndim != 2 or array.shape[1] != 3 or array.dtype.kind not in "fiu":
         raise MeshError(
-            f"{name}: faces must be vertex numbers of shape (m, 3), not {array.dtype} of shape "
-            f"{array.shape}. "
-            "Cut polygons into triangles first."
+            f"{name}: faces must be vertex numbers of shape (m, 3), not {array.dtype} of shape {array.shape}."
+            f"{_transposed(array, 'faces')}{'' if array.shape[1:] > (4,) else ' Cut polygons into triangles first.'}"
         )
-    # Compared in the caller's own type: 2**64 - 1 or 1e300 must not wrap into range.
+    # Compared in the caller's own type: 2**64 - 1 or 1e300 must not wrap around into range.
     inside = (array >= 0) & (array < n_vertices)
     if array.dtype.kind == "f":
         inside &= array == np.floor(array)
@@ -138,16 +144,16 @@ def _check_faces(values: Any, n_vertices: int, name: str) -> Ints:
         wrong = array[face][~inside[face]][0]
         hint = "" if array.min() < 1 else " If these faces number the vertices from 1, subtract 1."
         raise MeshError(
-            f"{name}: face {face} (counting from 0) names vertex {wrong}, but the mesh has {n_vertices} "
-            "vertices, "
-            f"numbered 0 to {n_vertices - 1}; {_count(len(bad), 'face is', 'faces are')} wrong in this way. "
+            f"{name}: face {face} (counting from 0) names vertex {wrong}, but the mesh has {n_vertices} vertices, "
+            f"numbered 0 to {n_vertices - 1}; {count(len(bad), 'face is', 'faces are')} wrong in this way. "
             f"Correct the faces or add the missing vertices.{hint}"
         )
     return _frozen(array, np.int64)
 
 
-def _count(number: int, one: str, many: str) -> str:
-    return f"{number} {one if number == 1 else many}"
+def count(number: int, singular: str, plural: str) -> str:
+    """A number with its noun."""
+    return f"{number} {singular if number == 1 else plural}"
 
 
 def _hash(vertices: Floats, faces: Ints) -> str:

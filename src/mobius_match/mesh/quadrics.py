@@ -8,15 +8,15 @@ from .._core.compiling import jit
 from .rings import after, before
 
 ROUNDNESS = 0.05
-"""What the distance to the vertices stood for counts, against that to the planes around."""
+"""Weight of the squared distances to the vertices that a vertex replaces, against those to the planes of the faces."""
 
-RIM = 10.0
-"""What the planes through the boundary count, against those of faces."""
+BOUNDARY = 10.0
+"""Weight of the planes through boundary edges, against those of the faces."""
 
 
 @jit
 def unit_normal(vertices: np.ndarray, a: int, b: int, c: int, normal: np.ndarray) -> float:
-    """Write the unit normal of a triangle; its length before, twice the area, is returned."""
+    """Write the unit normal of a triangle; return twice its area."""
     x1, y1, z1 = vertices[b, 0] - vertices[a, 0], vertices[b, 1] - vertices[a, 1], vertices[b, 2] - vertices[a, 2]
     x2, y2, z2 = vertices[c, 0] - vertices[a, 0], vertices[c, 1] - vertices[a, 1], vertices[c, 2] - vertices[a, 2]
     x, y, z = y1 * z2 - z1 * y2, z1 * x2 - x1 * z2, x1 * y2 - y1 * x2
@@ -28,7 +28,7 @@ def unit_normal(vertices: np.ndarray, a: int, b: int, c: int, normal: np.ndarray
 
 @jit
 def squared_length(vertices: np.ndarray, a: int, b: int) -> float:
-    """Of the edge between two vertices."""
+    """Squared length of the edge between two vertices."""
     return (
         (vertices[a, 0] - vertices[b, 0]) ** 2
         + (vertices[a, 1] - vertices[b, 1]) ** 2
@@ -52,8 +52,8 @@ def _add_plane(quadric: np.ndarray, x: float, y: float, z: float, d: float, weig
 
 @jit
 def add_quadrics(vertices: np.ndarray, corners: np.ndarray, opposite: np.ndarray, quadrics: np.ndarray) -> None:
-    """Add the planes of the faces, the boundary's, and the vertices themselves to the quadrics (n, 10) of vertices."""
-    normal, along, rim = np.empty(3), np.empty(3), np.empty(3)
+    """Add the planes of faces and boundary edges, and the vertices themselves, to the quadrics (n, 10) of vertices."""
+    normal, along, conormal = np.empty(3), np.empty(3), np.empty(3)
     for face in range(len(corners) // 3):
         a, b, c = corners[3 * face], corners[3 * face + 1], corners[3 * face + 2]
         area = 0.5 * unit_normal(vertices, a, b, c, normal)
@@ -64,12 +64,12 @@ def add_quadrics(vertices: np.ndarray, corners: np.ndarray, opposite: np.ndarray
             v = corners[3 * face + k]
             quadric = quadrics[v]
             _add_plane(quadric, normal[0], normal[1], normal[2], offset, area / 3)
-            # A point is three planes through it.
+            # The squared distance to a point is that to three orthogonal planes through it.
             _add_plane(quadric, 1.0, 0.0, 0.0, -vertices[v, 0], ROUNDNESS * area / 3)
             _add_plane(quadric, 0.0, 1.0, 0.0, -vertices[v, 1], ROUNDNESS * area / 3)
             _add_plane(quadric, 0.0, 0.0, 1.0, -vertices[v, 2], ROUNDNESS * area / 3)
         for k in range(3):
-            if opposite[3 * face + k] < 0:  # a plane through the edge, upright on the face, holds the boundary
+            if opposite[3 * face + k] < 0:  # a plane through the edge, orthogonal to the face, keeps the boundary
                 p, q = corners[after(3 * face + k)], corners[before(3 * face + k)]
                 squared = 0.0
                 for axis in range(3):
@@ -79,15 +79,17 @@ def add_quadrics(vertices: np.ndarray, corners: np.ndarray, opposite: np.ndarray
                 if length > 0.0:
                     for axis in range(3):
                         i, j = (axis + 1) % 3, (axis + 2) % 3
-                        rim[axis] = (normal[i] * along[j] - normal[j] * along[i]) / length
-                    offset_rim = -(rim[0] * vertices[p, 0] + rim[1] * vertices[p, 1] + rim[2] * vertices[p, 2])
+                        conormal[axis] = (normal[i] * along[j] - normal[j] * along[i]) / length
+                    offset = -(
+                        conormal[0] * vertices[p, 0] + conormal[1] * vertices[p, 1] + conormal[2] * vertices[p, 2]
+                    )
                     for v in (p, q):
-                        _add_plane(quadrics[v], rim[0], rim[1], rim[2], offset_rim, RIM * squared / 2)
+                        _add_plane(quadrics[v], conormal[0], conormal[1], conormal[2], offset, BOUNDARY * squared / 2)
 
 
 @jit
 def cost(one: np.ndarray, two: np.ndarray, place: np.ndarray) -> float:
-    """The quadrics of two vertices, taken at one place."""
+    """The sum of the quadrics of two vertices, at a place."""
     x, y, z = place[0], place[1], place[2]
     return (
         (one[0] + two[0]) * x * x

@@ -1,4 +1,4 @@
-"""Repair: from what users have to a compact, manifold, consistently oriented mesh, with notes."""
+"""Repair of a mesh: compact, without non-manifold vertices, consistently oriented, with a note for each change."""
 
 from __future__ import annotations
 
@@ -7,26 +7,26 @@ from dataclasses import replace
 import numpy as np
 
 from .measure import areas, cross_products, twins, unit_box
-from .mesh import Floats, Ints, Mesh
-from .slivers import collapse_needles, turn_caps
+from .mesh import Floats, Ints, Mesh, count
+from .slivers import collapse_needles, flip_caps
 from .topology import EdgeTable, components, edge_table, fans, sides, used_vertices
 
-LOOSE_AREA = 0.01  # loose pieces below this fraction of the area, taken together, are left out
+LOOSE_AREA = 0.01  # the smallest pieces are dropped as long as their total area stays below this fraction
 
 
 def repair(mesh: Mesh) -> Mesh:
-    """Make a mesh fit for computing on, changing as little as possible.
+    """Repair the defects that can be repaired without changing the shape.
 
-    Faces that name a vertex twice or repeat another face are dropped; vertices with equal coordinates are
-    joined along seams; vertices where the surface only touches itself are cut apart; small loose pieces and
-    unused vertices are left out; faces are turned to agree, and closed surfaces turned outwards. What
-    cannot be repaired (edges with three faces, handles, several large pieces) is left for
-    `require_matchable` to refuse.
+    Faces that name a vertex twice and duplicate faces are dropped; near-zero-length edges are collapsed; vertices with
+    equal coordinates are merged along seams; vertices where the surface only touches itself are split; small loose
+    pieces and unused vertices are dropped; faces are oriented consistently, closed surfaces outwards; faces without
+    area are removed by edge flips. What cannot be repaired (edges with three faces, handles, several large pieces) is
+    refused by `require_matchable`.
 
     Returns
     -------
     Mesh
-        Compact, with the user's numbers in `vertex_ids` and `face_ids` and one note a step that did anything.
+        With the user's numbers in `vertex_ids` and `face_ids`, and a note for each kind of change.
     """
     notes: list[str] = []
     faces, kept = mesh.faces, np.arange(len(mesh.faces))
@@ -34,23 +34,24 @@ def repair(mesh: Mesh) -> Mesh:
     a, b, c = faces.T
     double = (a == b) | (b == c) | (c == a)
     if double.any():
-        notes.append(f"{_faces(double.sum())} naming one vertex twice dropped.")
+        notes.append(f"{count(double.sum(), 'face that names', 'faces that name')} a vertex twice dropped.")
         faces, kept = faces[~double], kept[~double]
 
     again = repeated(np.sort(faces, axis=1))
     if again.any():
-        notes.append(f"{_faces(again.sum())} repeating another face dropped.")
+        notes.append(f"{count(again.sum(), 'duplicate face', 'duplicate faces')} dropped.")
         faces, kept = faces[~again], kept[~again]
 
     faces, rows, number, table = collapse_needles(mesh.vertices, faces)
     if number:
-        notes.append(f"{number} edge(s) of next to no length drawn together, with {_faces(len(kept) - len(rows))}.")
+        edges = count(number, "near-zero-length edge", "near-zero-length edges")
+        notes.append(f"{edges} collapsed ({_faces(len(kept) - len(rows))} removed).")
         kept = kept[rows]
 
     twin = twins(mesh.vertices)
     again = _repeated_pieces(faces, twin)
     if again.any():
-        notes.append(f"{_faces(again.sum())} lying exactly on another piece of the surface dropped.")
+        notes.append(f"{_faces(again.sum())} dropped: their piece coincides with another piece of the surface.")
         faces, kept = faces[~again], kept[~again]
         table = edge_table(faces)
 
@@ -63,24 +64,25 @@ def repair(mesh: Mesh) -> Mesh:
         pieces, _ = components(faces[loose])
         size = areas(vertices, faces)
         percent = 100 * size[loose].sum() / size.sum()
-        notes.append(f"{pieces} loose piece(s), {_faces(loose.sum())}, {percent:.2g} % of the area, left out.")
+        listed = f"{_faces(loose.sum())}, {percent:.2g} % of the area"
+        notes.append(f"{count(pieces, 'small loose piece', 'small loose pieces')} dropped ({listed}).")
         faces, kept = faces[~loose], kept[~loose]
         table = edge_table(faces)
 
     faces, more = _orient(vertices, faces, table)
     notes += more
 
-    faces, rows, number, left = turn_caps(vertices, faces)
+    faces, rows, number, left = flip_caps(vertices, faces)
     if number:
-        notes.append(f"{_faces(number)} without area removed by turning an edge or at the boundary.")
+        notes.append(f"{_faces(number)} without area removed (by edge flips, or at the boundary).")
         kept = kept[rows]
     if left:
-        notes.append(f"{_faces(left)} without area left: removing any would change the topology.")
+        notes.append(f"{_faces(left)} without area kept: removing them would change the topology.")
 
     used = used_vertices(faces)
     unused = len(mesh.vertices) - len(used_vertices(mesh.faces))
     if unused:
-        notes.append(f"{unused} vertices that no face uses left out.")
+        notes.append(f"{count(unused, 'unused vertex', 'unused vertices')} dropped.")
     rank = np.zeros(len(vertices), dtype=np.int64)
     rank[used] = np.arange(len(used))
     return replace(
@@ -94,13 +96,13 @@ def repair(mesh: Mesh) -> Mesh:
 
 
 def _faces(number: int) -> str:
-    return f"{number} face" if number == 1 else f"{number} faces"
+    return count(number, "face", "faces")
 
 
 def repeated(rows: Ints) -> np.ndarray:
     """Which rows equal an earlier one (m,)."""
-    # Almost always none does, which sorting one number a row tells in a tenth of the time; different rows may
-    # share that number, so it proves nothing else.
+    # Usually none does. Comparing one key per row shows that in a tenth of the time; different rows may share a key, so
+    # equal keys prove nothing.
     base = np.uint64(rows.max(initial=0) + 1)
     a, b, c = rows.T.astype(np.uint64)
     key = np.sort((a * base + b) * base + c)
@@ -116,7 +118,7 @@ def repeated(rows: Ints) -> np.ndarray:
 def _repeated_pieces(faces: Ints, twin: Ints) -> np.ndarray:
     """Faces of components that lie, face for face, exactly on earlier faces (double-sided models).
 
-    Single faces that coincide are left alone: there a surface touches itself, and a hole would be the result.
+    Single faces that coincide are kept: there a surface touches itself, and dropping them would leave a hole.
     """
     rows = np.sort(twin[faces], axis=1)
     again = repeated(rows)
@@ -128,24 +130,24 @@ def _repeated_pieces(faces: Ints, twin: Ints) -> np.ndarray:
 
 
 def _join_and_cut(faces: Ints, twin: Ints, table: EdgeTable) -> tuple[Ints, Ints, list[str], EdgeTable]:
-    """Give every fan of faces a vertex of its own, after sewing up seams.
+    """Merge vertices along seams, then give every fan of faces a vertex of its own.
 
-    A seam is a pair of boundary edges, and no other edge, with equal coordinates. Joining by edges and not by
-    vertices keeps surfaces apart that only touch.
+    A seam is a pair of boundary edges, and no other edge, with equal coordinates. Surfaces that only touch at vertices
+    are not merged.
 
-    Returns faces in new numbers, the old number of each new vertex (the lowest where several were joined),
-    notes, and the edges of those faces.
+    Returns faces in new numbers, the old number of each new vertex (the lowest of merged ones), notes, and the edge
+    table of the new faces.
     """
     separate, label = fans(faces, table)
     number = separate
     if (twin[faces] != faces).any():
-        fewer, sewn = fans(faces, table, _seams(faces, twin, table))
-        if _no_worse(sewn, label):
-            number, label = fewer, sewn
+        fewer, merged = fans(faces, table, _seams(faces, twin, table))
+        if _no_worse(merged, label):
+            number, label = fewer, merged
     old, new = faces.ravel(), label.ravel()
     origin = np.full(number, len(twin), dtype=np.int64)
     np.minimum.at(origin, new, old)
-    # Number the fans by the vertex they come from, so that an untouched mesh keeps its order.
+    # Fans are numbered by the vertex they come from, so that a mesh without defects keeps its order.
     order = np.argsort(origin, kind="stable")
     rank = np.empty(number, dtype=np.int64)
     rank[order] = np.arange(number)
@@ -153,24 +155,25 @@ def _join_and_cut(faces: Ints, twin: Ints, table: EdgeTable) -> tuple[Ints, Ints
     joined, cut = links - number, links - len(used_vertices(faces))
     notes = []
     if joined:
-        notes.append(f"{joined} vertices joined to a twin with the same coordinates (seams sewn up).")
+        notes.append(f"{count(joined, 'vertex', 'vertices')} merged with another of the same coordinates, along seams.")
     if cut:
-        notes.append(f"{cut} cut(s) made at vertices where parts of the surface only touch.")
+        times = count(cut, "vertex", "vertices")
+        notes.append(f"{times} added where parts of the surface only touch, to separate them.")
     renamed = rank[label]
     if not np.array_equal(renamed, faces):
         table = edge_table(renamed)
     return renamed, origin[order], notes, table
 
 
-def _no_worse(sewn: Ints, plain: Ints) -> bool:
-    """Whether sewing neither folds a face onto itself nor brings a third face to an edge."""
-    if (sewn == sewn[:, [1, 2, 0]]).any():
+def _no_worse(merged: Ints, plain: Ints) -> bool:
+    """Whether merging neither makes a face name a vertex twice nor brings a third face to an edge."""
+    if (merged == merged[:, [1, 2, 0]]).any():
         return False
-    return int((edge_table(sewn).counts > 2).sum()) <= int((edge_table(plain).counts > 2).sum())
+    return int((edge_table(merged).counts > 2).sum()) <= int((edge_table(plain).counts > 2).sum())
 
 
 def _seams(faces: Ints, twin: Ints, table: EdgeTable) -> tuple[Ints, Ints]:
-    """Pairs of corners to link so that seams close."""
+    """Pairs of corners to link so that seams are closed."""
     ends = np.sort(twin[table.edges], axis=1)
     group = np.unique(ends[:, 0] * (len(twin) + 1) + ends[:, 1], return_inverse=True)[1]
     load = np.bincount(group, weights=table.counts)
@@ -191,7 +194,7 @@ def _seams(faces: Ints, twin: Ints, table: EdgeTable) -> tuple[Ints, Ints]:
 
 
 def _loose(vertices: Floats, faces: Ints, table: EdgeTable) -> np.ndarray:
-    """Faces of the smallest components, as many as stay under `LOOSE_AREA` together; never the largest."""
+    """Faces of the smallest components, whose total area stays below `LOOSE_AREA`; never the largest."""
     number, label = components(faces, table)
     if number < 2:
         return np.zeros(len(faces), dtype=bool)
@@ -205,7 +208,7 @@ def _loose(vertices: Floats, faces: Ints, table: EdgeTable) -> np.ndarray:
 
 
 def _orient(vertices: Floats, faces: Ints, table: EdgeTable) -> tuple[Ints, list[str]]:
-    """Turn faces so that all agree: closed pieces outwards, others as most of their faces are."""
+    """Orient faces consistently: closed pieces outwards, open ones as the majority of their faces."""
     piece, turned, twisted = sides(faces, table)
     turned = turned & ~twisted
     number = 2 * len(faces)  # labels are below this; most of them are not in use
@@ -222,7 +225,7 @@ def _orient(vertices: Floats, faces: Ints, table: EdgeTable) -> tuple[Ints, list
     notes = []
     single = int((turned & ~whole[piece]).sum())
     if single:
-        notes.append(f"{_faces(single)} turned round to agree with the faces next to them.")
+        notes.append(f"{_faces(single)} reversed to agree with their neighbours.")
     if whole.any():
-        notes.append(f"closed surface turned outwards ({_faces(size[whole].sum())}).")
+        notes.append(f"closed surface turned outwards ({_faces(size[whole].sum())} reversed).")
     return np.where(turned[:, None], faces[:, [0, 2, 1]], faces), notes

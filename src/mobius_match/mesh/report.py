@@ -1,4 +1,4 @@
-"""What can be said about a mesh, and whether it can be matched."""
+"""Description of a mesh, and the check whether it can be matched."""
 
 from __future__ import annotations
 
@@ -29,17 +29,16 @@ MIN_FACES, MIN_VERTICES = 20, 12
 
 
 def require_matchable(mesh: Mesh) -> None:
-    """Refuse a mesh that the method cannot work on; call it on a repaired mesh.
+    """Refuse a mesh that cannot be flattened; to be called on a repaired mesh.
 
-    The flattening of section 5 needs one connected orientable piece of a sphere: any number of holes, no
-    handles.
+    The flattening of section 5 needs one connected orientable surface of genus 0, with any number of holes.
 
     Raises
     ------
     MeshError
-        Too few vertices or faces, or many faces without area.
+        If there are too few vertices or faces, or many faces without area.
     TopologyError
-        Edges with more than two faces, surfaces with one side, several pieces, handles.
+        If there are edges with more than two faces, a surface with one side only, several pieces, or handles.
     """
     name, faces = mesh.name, mesh.faces
     if len(faces) < MIN_FACES or len(mesh.vertices) < MIN_VERTICES:
@@ -67,36 +66,35 @@ def require_matchable(mesh: Mesh) -> None:
         listed = ", ".join(map(str, size[:5])) + (", ..." if number > 5 else "")
         raise TopologyError(
             f"{name}: {number} separate pieces (with {listed} faces); one is needed. "
-            "Split the file into its pieces, or keep the largest alone."
+            "Split the file into its pieces, or keep only the largest."
         )
     if fans(faces, table)[0] != len(used_vertices(faces)):
         raise TopologyError(f"{name}: parts of the surface touch at single vertices. Repair the mesh first.")
     handles = (2 - len(boundary_lengths(table)) - euler_characteristic(faces, table)) // 2
     if handles:
         raise TopologyError(
-            f"{name}: the surface has {handles} handle(s) (genus {handles}), but only spheres, with or "
-            "without holes, "
+            f"{name}: the surface has {handles} handle(s) (genus {handles}), but only spheres, with or without holes, "
             "can be flattened. Cut or fill the handles (often: touching parts that a scan has fused)."
         )
     flat = int(is_flat(unit_box(mesh.vertices), faces).sum())
     if flat > MANY * len(faces):
         raise MeshError(
             f"{name}: {flat} of {len(faces)} faces have no area (corners on one line or in one point). "
-            "Check the coordinates, or mesh the surface anew."
+            "Check the coordinates, or remesh the surface."
         )
 
 
 def describe(mesh: Mesh) -> dict[str, Any]:
-    """Everything that ``mobius info`` shows, ready for JSON.
+    """All that ``mobius info`` shows, as a dictionary for JSON.
 
-    Counts of faults (unused and double vertices, degenerate faces, ...), components, sizes and orientation
-    describe the mesh as given; Euler characteristic, genus, boundary and quality describe it after repair.
+    Counts of defects (unused and duplicate vertices, degenerate faces, ...), components, sizes and orientation describe
+    the mesh as given; Euler characteristic, genus, boundary and quality describe it after repair.
 
     Returns
     -------
     dict
-        ``notes`` says what is done on reading and repair; ``usable`` whether the mesh can be matched,
-        ``reason`` why not (None if it can). Lengths and areas are in the user's units; None is undefined.
+        ``notes`` lists the changes made on reading and repair; ``usable`` is whether the mesh can be matched,
+        ``reason`` why not (None if it can). Lengths and areas are in the user's units; undefined ones are None.
     """
     repaired = repair(mesh)
     reason = None
@@ -111,7 +109,7 @@ def describe(mesh: Mesh) -> dict[str, Any]:
         "vertices": len(mesh.vertices),
         "faces": len(mesh.faces),
         "file_faces": mesh.n_file_faces,
-        **_faults(mesh),
+        **_defects(mesh),
         **_shape(repaired),
         **_sizes(mesh),
         "quality": _quality(repaired),
@@ -121,7 +119,7 @@ def describe(mesh: Mesh) -> dict[str, Any]:
     }
 
 
-def _faults(mesh: Mesh) -> dict[str, Any]:
+def _defects(mesh: Mesh) -> dict[str, Any]:
     double = (mesh.faces == mesh.faces[:, [1, 2, 0]]).any(axis=1)
     faces = mesh.faces[~double]
     table = edge_table(faces)
@@ -171,14 +169,14 @@ def _sizes(mesh: Mesh) -> dict[str, Any]:
 
 
 def _finite(value: float, scale: float, power: int = 1) -> float | None:
-    """A length or area back in the user's units; None where there is none or it is too large for a float."""
+    """A length or area in the user's units; None where it is undefined or too large for a float."""
     for _ in range(power):
         value *= scale
     return value if math.isfinite(value) else None
 
 
 def _quality(mesh: Mesh) -> dict[str, Any] | None:
-    """Smallest angle of the triangles and the share of edges with a negative cotangent weight."""
+    """Percentiles of the triangles' smallest angles, and the share of edges with a negative cotangent weight."""
     unit, faces = unit_box(mesh.vertices), mesh.faces
     if not len(faces):
         return None

@@ -1,7 +1,7 @@
-"""Half-edges of a manifold as plain arrays for kernels: corners, what lies opposite of them, rings around vertices.
+"""Corner table of a manifold as plain arrays for kernels: corners, their opposite corners, rings around vertices.
 
-A corner is 3 * face + k and has a vertex; in a consistently oriented mesh, ``after`` and ``before`` in the face lead
-around it, and ``opposite`` over the edge opposite to it.
+A corner is 3 * face + k and has a vertex (Rossignac et al. 2001). In a consistently oriented mesh, ``after`` and
+``before`` lead around the face, and ``opposite`` leads across the edge opposite to the corner.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from .mesh import Ints
 from .topology import edge_table
 
 MOST_FACES = 40
-"""Longest ring that is looked at."""
+"""Number of faces of the longest ring; vertices with more faces are not collapsed."""
 
 
 def opposite_corners(faces: Ints) -> np.ndarray:
@@ -40,15 +40,18 @@ def before(corner: int) -> int:
 
 @jit
 def neighbour(k: int, ring: np.ndarray, number: int, corners: np.ndarray) -> int:
-    """Neighbour k of the vertex whose ring it is; an open one has one neighbour more than faces."""
+    """Neighbour k of the vertex with this ring; an open ring has one neighbour more than faces."""
     return corners[after(ring[k])] if k < number else corners[before(ring[number - 1])]
 
 
 @jit
 def around(corner: int, opposite: np.ndarray, ring: np.ndarray) -> tuple[int, bool]:
-    """Write a vertex's corners, one of which is given, in counter-clockwise order: how many, and if they close.
+    """Write the corners of a vertex in counter-clockwise order, given one of them.
 
-    A ring that is too long is given as empty.
+    Returns
+    -------
+    number, closed
+        Number of corners, 0 for a ring of more than :data:`MOST_FACES`, and whether the ring is closed.
     """
     first = corner
     closed = True
@@ -89,7 +92,7 @@ def collapse(
     opposite: np.ndarray,
     corner_of: np.ndarray,
 ) -> None:
-    """Draw u into v, its neighbour at a place of the ring, and take the faces between them out."""
+    """Collapse u into v, its neighbour at place ``target`` of the ring, and remove the faces between them."""
     for k in range(number):
         corners[ring[k]] = v
     for side in range(2):
@@ -103,7 +106,7 @@ def collapse(
             continue
         corner = ring[place]
         ahead, behind = after(corner), before(corner)
-        # The edges opposite of u's corner and of v's corner become one.
+        # The edges opposite to u's corner and to v's corner become one.
         across_u, across_v = opposite[corner], opposite[ahead if side == 0 else behind]
         if across_u >= 0:
             opposite[across_u] = across_v

@@ -1,9 +1,9 @@
-"""Simplification of large meshes, to fewer vertices that are some of the mesh's own, without change of topology.
+"""Simplification of large meshes to a subset of their vertices, without change of topology.
 
-Vertices are drawn into a neighbour one by one (half-edge collapse) where that moves the surface least, by quadrics of
-the planes around (Garland and Heckbert 1997). To these is added a little of the squared distance to the vertices that a
-vertex stands for, which makes triangles round and equally large. A collapse that would change the topology (link
-condition) or turn a face over is not made, so that the result is as good a manifold as what was given.
+Vertices are collapsed into a neighbour (half-edge collapse), those first that move the surface least by the quadrics of
+the planes around them (Garland and Heckbert 1997). A small multiple of the squared distance to the vertices that a
+vertex replaces is added, which makes triangles round and equally large. A collapse that would change the topology (link
+condition) or turn a face over is not made, so the result is a manifold if the mesh was one.
 """
 
 from __future__ import annotations
@@ -16,14 +16,15 @@ from .quadrics import add_quadrics, cost, squared_length, unit_normal
 from .rings import MOST_FACES, after, around, before, collapse, neighbour, opposite_corners
 
 FIRST, GROWTH = 0.25, 1.6
-"""Share of the vertices that the first threshold lets go, and the factor from one threshold to the next."""
+"""The quantile of the collapse costs that is the first threshold, and the factor from one threshold to the next."""
 
-LEAST_TURN, LEAST_HEIGHT = 0.3, 0.15
-"""Least cosine between a face's normals before and after, and least height over longest edge, unless it grows."""
+MIN_COSINE, MIN_HEIGHT = 0.3, 0.15
+"""Bounds on a face after a collapse: the cosine between its normals before and after, and its height over its longest
+edge, which may be less where it grows."""
 
 
 def simplify(vertices: Floats, faces: Ints, count: int) -> tuple[Ints, Ints, Ints]:
-    """Draw vertices together until few are left.
+    """Collapse vertices until ``count`` are left.
 
     Parameters
     ----------
@@ -31,16 +32,16 @@ def simplify(vertices: Floats, faces: Ints, count: int) -> tuple[Ints, Ints, Int
         (n, 3) float64 and (m, 3) int64: a consistently oriented manifold, with or without boundary, in which every
         vertex is used.
     count
-        Number of vertices wanted. More may be left, where none can be drawn in without harm.
+        Number of vertices wanted. More are left where no further collapse is allowed.
 
     Returns
     -------
     kept : (k,) int64
-        Numbers of the vertices that are left, ascending.
+        Numbers of the remaining vertices, ascending.
     simple : (j, 3) int64
         Faces between them, in numbers from 0 to k - 1.
     home : (n,) int64
-        For each given vertex the one of those left that it was drawn into, from 0 to k - 1.
+        For each given vertex the remaining one that it was collapsed into, from 0 to k - 1.
     """
     corners = faces.astype(np.int32).ravel()
     opposite = opposite_corners(faces)
@@ -49,11 +50,11 @@ def simplify(vertices: Floats, faces: Ints, count: int) -> tuple[Ints, Ints, Int
     home = np.arange(len(vertices), dtype=np.int32)
     corner_of = np.zeros(len(vertices), np.int32)
     corner_of[corners] = np.arange(len(corners))
-    # What it would take to draw each vertex in: at least the cost noted, NaN where the neighbourhood has changed.
+    # Lower bounds of the cost of collapsing each vertex; NaN where the neighbourhood has changed.
     least = _all_costs(vertices, corners, opposite, corner_of, quadrics)
     threshold = max(float(np.quantile(least, FIRST)), 1e-30)
-    # A tetrahedron would fold up.
-    _draw_in(vertices, corners, opposite, corner_of, quadrics, least, threshold, home, max(count, 4))
+    # At least a tetrahedron remains: fewer vertices have no closed manifold.
+    _collapse_vertices(vertices, corners, opposite, corner_of, quadrics, least, threshold, home, max(count, 4))
     kept = np.flatnonzero(home == np.arange(len(home)))
     rank = np.full(len(vertices), -1)
     rank[kept] = np.arange(len(kept))
@@ -63,13 +64,13 @@ def simplify(vertices: Floats, faces: Ints, count: int) -> tuple[Ints, Ints, Int
 
 @jit
 def _ends(home: np.ndarray) -> np.ndarray:
-    """Where each vertex ends that follows the chain."""
+    """The last vertex of the chain of collapses from each vertex."""
     for i in range(len(home)):
         end = i
         while home[end] != end:
             end = home[end]
         at = i
-        while home[at] != end:  # all on the way end there too
+        while home[at] != end:  # so do all vertices of the chain
             home[at], at = end, home[at]
     return home
 
@@ -78,7 +79,7 @@ def _ends(home: np.ndarray) -> np.ndarray:
 def _all_costs(
     vertices: np.ndarray, corners: np.ndarray, opposite: np.ndarray, corner_of: np.ndarray, quadrics: np.ndarray
 ) -> np.ndarray:
-    """What it costs at least to draw each vertex in, (n,) float32."""
+    """The least cost of collapsing each vertex into a neighbour, (n,) float32."""
     ring, costs = np.empty(MOST_FACES, np.int32), np.empty(MOST_FACES + 1)
     least = np.empty(len(vertices), np.float32)
     for i in range(len(vertices)):
@@ -87,7 +88,7 @@ def _all_costs(
 
 
 @jit
-def _draw_in(
+def _collapse_vertices(
     vertices: np.ndarray,
     corners: np.ndarray,
     opposite: np.ndarray,
@@ -98,7 +99,7 @@ def _draw_in(
     home: np.ndarray,
     count: int,
 ) -> None:
-    """Draw vertices in, the cheapest first, more or less: one threshold after the other."""
+    """Collapse vertices of a cost below a threshold, which is raised step by step."""
     n = len(vertices)
     ring, other = np.empty(MOST_FACES, np.int32), np.empty(MOST_FACES, np.int32)
     costs, stamp = np.empty(MOST_FACES + 1), np.zeros(n + 1, np.int32)
@@ -154,7 +155,7 @@ def _cheapest(
     ring: np.ndarray,
     costs: np.ndarray,
 ) -> float:
-    """Write what it costs to draw vertex u into each neighbour; the least of it."""
+    """Write the cost of collapsing vertex u into each neighbour; return the least."""
     number, closed = around(corner_of[u], opposite, ring)
     cheapest = np.inf
     for k in range(number + (not closed)):
@@ -183,7 +184,7 @@ def _choose(
     stamp: np.ndarray,
     threshold: float,
 ) -> int:
-    """The place in the ring of the cheapest neighbour that u can be drawn into without harm, -1 if there is none."""
+    """The place in the ring of the cheapest neighbour that u may be collapsed into, -1 if there is none."""
     n_neighbours = number + (not closed)
     stamp[-1] += 1  # the last place counts the calls
     for k in range(n_neighbours):
@@ -201,18 +202,20 @@ def _choose(
         for k in range(size + (not v_closed)):
             common += stamp[neighbour(k, other, size, corners)] == stamp[-1]
         # The link condition: the ends share the neighbours across their edge and no more.
-        fine = size > 0 and common == (2 if closed else 1) and size + number - 4 < MOST_FACES
-        if not closed:  # a face with two edges at the boundary must not take its outer vertex along
+        allowed = size > 0 and common == (2 if closed else 1) and size + number - 4 < MOST_FACES
+        if not closed:  # a face with two boundary edges must keep its outer vertex
             corner = ring[min(best, number - 1)]
-            fine = fine and max(opposite[corner], opposite[after(corner) if best < number else before(corner)]) >= 0
-        if fine and _stays_upright(u, v, vertices, corners, ring, number):
+            allowed = (
+                allowed and max(opposite[corner], opposite[after(corner) if best < number else before(corner)]) >= 0
+            )
+        if allowed and _stays_upright(u, v, vertices, corners, ring, number):
             return best
         costs[best] = np.inf
 
 
 @jit
 def _stays_upright(u: int, v: int, vertices: np.ndarray, corners: np.ndarray, ring: np.ndarray, number: int) -> bool:
-    """Whether no face around u turns over or becomes a sliver if u is drawn into v."""
+    """Whether no face around u turns over or becomes a sliver if u is collapsed into v."""
     old, new = np.empty(3), np.empty(3)
     for k in range(number):
         a, b = corners[after(ring[k])], corners[before(ring[k])]
@@ -221,11 +224,11 @@ def _stays_upright(u: int, v: int, vertices: np.ndarray, corners: np.ndarray, ri
         area_old, area_new = unit_normal(vertices, u, a, b, old), unit_normal(vertices, v, a, b, new)
         if not area_new > 0.0:
             return False
-        if area_old > 0.0 and old[0] * new[0] + old[1] * new[1] + old[2] * new[2] < LEAST_TURN:
+        if area_old > 0.0 and old[0] * new[0] + old[1] * new[1] + old[2] * new[2] < MIN_COSINE:
             return False
         base = squared_length(vertices, a, b)
         height_new = area_new / max(base, squared_length(vertices, v, a), squared_length(vertices, v, b))
-        if height_new < LEAST_HEIGHT:
+        if height_new < MIN_HEIGHT:
             longest = max(base, squared_length(vertices, u, a), squared_length(vertices, u, b))
             if not (longest > 0.0 and height_new > area_old / longest):
                 return False

@@ -1,8 +1,8 @@
-"""Triangles without area: what lies between faces is kept whole, only the diagonal or a double point goes.
+"""Removal of triangles without area, which keeps the surface closed.
 
-Taking such a triangle out of a surface would leave a slit. A needle (one edge next to nothing) goes by
-drawing that edge together; a cap (a corner on the opposite edge) by turning its longest edge, which leaves
-every vertex and the shape as they were. Lengths and angles are then good enough for intrinsic computations.
+Deleting such a triangle would leave a slit. A needle (one edge of almost no length) is removed by collapsing that edge;
+a cap (a corner on the opposite edge) by flipping its longest edge, which keeps every vertex and the shape. Lengths and
+angles are then accurate enough for intrinsic computations.
 """
 
 from __future__ import annotations
@@ -13,25 +13,25 @@ from .measure import unit_box
 from .mesh import Floats, Ints
 from .topology import EdgeTable, edge_table
 
-FLAT = 1e-7  # height, or shortest edge, over longest edge: what float32 files can resolve
+FLAT = 1e-7  # height, or shortest edge, over longest edge: the resolution of float32 files
 ROUNDS = 10
-BLOCK = 50_000  # faces that are looked at together, few enough for the processor's caches
-MANY = 0.1  # with a larger share of faces without area, a mesh is beyond repair
+BLOCK = 50_000  # faces that are processed at a time, few enough for the processor's caches
+MANY = 0.1  # a mesh with a larger share of faces without area is not repaired
 
 
 def collapse_needles(vertices: Floats, faces: Ints) -> tuple[Ints, Ints, int, EdgeTable]:
-    """Draw together edges far shorter than their faces, where the surface stays what it is.
+    """Collapse edges far shorter than the other edges of their faces, where that keeps the topology.
 
     Returns
     -------
     faces : (m', 3) int64
-        The faces left, with the lower-numbered end in place of both.
+        The remaining faces; of a collapsed edge the end of the lower number remains.
     rows : (m',) int64
-        Which of the given faces each is.
+        The given face that each one was.
     number : int
-        How many edges were drawn together.
+        Number of collapsed edges.
     table : EdgeTable
-        The edges of the faces left.
+        The edges of the remaining faces.
     """
     unit, rows, number, table = unit_box(vertices), np.arange(len(faces)), 0, edge_table(faces)
     for _ in range(ROUNDS):
@@ -57,12 +57,12 @@ def collapse_needles(vertices: Floats, faces: Ints) -> tuple[Ints, Ints, int, Ed
 
 
 def _collapses(table: EdgeTable, candidates: Ints, n: int) -> Ints:
-    """Edges (kept, dropped) that can be drawn together at once without changing the topology."""
+    """Edges (kept end, dropped end) that can be collapsed at once without changing the topology."""
     both = np.concatenate([table.edges, table.edges[:, ::-1]])
     both = both[np.argsort(both[:, 0], kind="stable")]
     start = np.searchsorted(both[:, 0], np.arange(n + 1))
-    rim = np.zeros(n, dtype=bool)
-    rim[table.edges[table.counts != 2]] = True
+    boundary = np.zeros(n, dtype=bool)
+    boundary[table.edges[table.counts != 2]] = True
     touched: set[int] = set()
     chosen = []
     for edge in candidates.tolist():
@@ -70,8 +70,8 @@ def _collapses(table: EdgeTable, candidates: Ints, n: int) -> Ints:
         if u in touched or v in touched or table.counts[edge] > 2:
             continue
         around = [set(both[start[w] : start[w + 1], 1].tolist()) for w in (u, v)]
-        # The link condition: common neighbours only across the edge itself, and no bridge between two rims.
-        bridge = rim[u] and rim[v] and table.counts[edge] == 2
+        # The link condition: common neighbours only across the edge itself, and no bridge between two boundaries.
+        bridge = boundary[u] and boundary[v] and table.counts[edge] == 2
         everyone = around[0] | around[1]
         if bridge or len(around[0] & around[1]) != table.counts[edge] or len(everyone) <= 4:
             continue
@@ -83,7 +83,7 @@ def _collapses(table: EdgeTable, candidates: Ints, n: int) -> Ints:
 
 
 def is_flat(unit: Floats, faces: Ints) -> np.ndarray:
-    """Faces with next to no height over their longest edge (m,)."""
+    """Which faces (m,) have almost no height over their longest edge."""
     flat = np.empty(len(faces), dtype=bool)
     for start in range(0, len(faces), BLOCK):
         part = slice(start, start + BLOCK)
@@ -93,20 +93,20 @@ def is_flat(unit: Floats, faces: Ints) -> np.ndarray:
     return flat
 
 
-def turn_caps(vertices: Floats, faces: Ints) -> tuple[Ints, Ints, int, int]:
-    """Turn the longest edge of flat faces; on the boundary drop the face, which loses nothing there.
+def flip_caps(vertices: Floats, faces: Ints) -> tuple[Ints, Ints, int, int]:
+    """Flip the longest edge of flat faces; if it is on the boundary, drop the face, which has no area.
 
-    The faces must be consistently oriented; a surface with non-manifold edges is left alone.
+    The faces must be consistently oriented; a surface with non-manifold edges is not changed.
 
     Returns
     -------
     faces : (m', 3) int64
     rows : (m',) int64
-        Which of the given faces each lies in.
+        The given face that each one lies in.
     number : int
-        How many flat faces are gone.
+        Number of removed flat faces.
     left : int
-        How many are left, because each remedy would change the topology.
+        Number of remaining flat faces, whose removal would change the topology.
     """
     unit, rows = unit_box(vertices), np.arange(len(faces))
     flat = is_flat(unit, faces)
@@ -114,20 +114,20 @@ def turn_caps(vertices: Floats, faces: Ints) -> tuple[Ints, Ints, int, int]:
     for _ in range(ROUNDS):
         if not 0 < np.count_nonzero(flat) <= MANY * len(faces):
             break
-        faces, rows, changed = _turn_once(unit, faces, rows, np.flatnonzero(flat))
+        faces, rows, changed = _flip_once(unit, faces, rows, np.flatnonzero(flat))
         if not changed:
             break
         flat = is_flat(unit, faces)
     return faces, rows, before - int(flat.sum()), int(flat.sum())
 
 
-def _turn_once(unit: Floats, faces: Ints, rows: Ints, flat: Ints) -> tuple[Ints, Ints, bool]:
+def _flip_once(unit: Floats, faces: Ints, rows: Ints, flat: Ints) -> tuple[Ints, Ints, bool]:
     table = edge_table(faces)
-    if (table.counts > 2).any():  # taking a face from such an edge would ask for a new orientation
+    if (table.counts > 2).any():  # removing a face from such an edge would need a new orientation
         return faces, rows, False
     known = table.edges[:, 0] * len(unit) + table.edges[:, 1]
-    rim = np.zeros(len(unit), dtype=bool)
-    rim[table.edges[table.counts == 1]] = True
+    boundary = np.zeros(len(unit), dtype=bool)
+    boundary[table.edges[table.counts == 1]] = True
     sides = unit[faces[flat][:, [2, 0, 1]]] - unit[faces[flat][:, [1, 2, 0]]]
     tops = (sides**2).sum(axis=2).argmax(axis=1)
     faces, rows = faces.copy(), rows.copy()
@@ -141,7 +141,7 @@ def _turn_once(unit: Floats, faces: Ints, rows: Ints, flat: Ints) -> tuple[Ints,
             continue
         if table.counts[edge] == 1:
             ear = (table.counts[table.face_edges[f]] == 1).sum() > 1
-            if ear or not rim[p]:
+            if ear or not boundary[p]:
                 gone[f] = changed = True
                 touched |= {p, a, b}
         elif table.counts[edge] == 2:

@@ -19,7 +19,7 @@ from .mesh import Ints
 Bools = NDArray[np.bool_]
 
 LARGE = 100_000
-"""Nodes of a graph from which kernels do the work, which take time to load."""
+"""Number of nodes of a graph from which compiled kernels are used; they take time to load."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,7 +55,7 @@ class EdgeTable:
 
 
 def edge_table(faces: Ints) -> EdgeTable:
-    """Find the edges of (m, 3) faces; no face may name a vertex twice."""
+    """The edges of faces (m, 3), none of which names a vertex twice."""
     tail, head = faces[:, [1, 2, 0]].ravel(), faces[:, [2, 0, 1]].ravel()
     base = int(faces.max(initial=0)) + 1
     key = np.minimum(tail, head) * base + np.maximum(tail, head)
@@ -80,7 +80,7 @@ def used_vertices(faces: Ints) -> Ints:
 
 
 def labels_of(size: int, first: Ints, second: Ints) -> tuple[int, Ints]:
-    """Connected components of a graph with these links: their number, the label of each node (size,)."""
+    """Connected components of a graph with these edges: their number, and the label of each node (size,)."""
     if not size:
         return 0, np.zeros(0, dtype=np.int64)
     if size >= LARGE:
@@ -141,15 +141,15 @@ def nonmanifold_vertices(faces: Ints, table: EdgeTable | None = None) -> Ints:
 
 
 def sides(faces: Ints, table: EdgeTable) -> tuple[Ints, Bools, Bools]:
-    """Which faces agree with each other, found on the two-sheeted cover of the surface.
+    """Which faces are consistently oriented, from the connected components of the orientation double cover.
 
-    Each face has an upper and a lower side; across an edge with two faces, sides join to sides. On an
+    Each face has an upper and a lower side; across an edge with two faces, sides are linked to sides. On an
     orientable piece the sides fall into two classes; on a Moebius strip all are one.
 
     Returns
     -------
     piece : (m,) int64
-        Label of the piece of surface (over edges with exactly two faces) that each face belongs to.
+        Label of each face's piece of surface, connected over edges with exactly two faces.
     turned : (m,) bool
         Whether the face is oriented against the lowest-numbered face of its piece.
     twisted : (m,) bool
@@ -171,7 +171,7 @@ def sides(faces: Ints, table: EdgeTable) -> tuple[Ints, Bools, Bools]:
 
 
 def euler_characteristic(faces: Ints, table: EdgeTable | None = None) -> int:
-    """Vertices - edges + faces, counting only vertices in use."""
+    """V - E + F, where V counts only vertices that a face uses."""
     return len(used_vertices(faces)) - len((table or edge_table(faces)).edges) + len(faces)
 
 
@@ -204,7 +204,7 @@ def boundary_loops(faces: Ints, table: EdgeTable | None = None) -> list[Ints]:
 
 
 def boundary_edges(faces: Ints) -> Ints:
-    """The edges (b, 2) of one face each."""
+    """The edges (b, 2) that have one face."""
     table = edge_table(faces)
     return table.edges[table.counts == 1]
 
@@ -219,7 +219,7 @@ def boundary_lengths(table: EdgeTable) -> Ints:
 
 
 def genus(faces: Ints, table: EdgeTable | None = None) -> int | None:
-    """Number of handles, over all components together; None where the surface is no orientable manifold."""
+    """Total number of handles of all components; None if the surface is no orientable manifold."""
     table = table or edge_table(faces)
     if not len(faces) or len(nonmanifold_edges(table)) or len(nonmanifold_vertices(faces, table)):
         return None

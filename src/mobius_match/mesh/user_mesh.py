@@ -1,4 +1,4 @@
-"""The mesh as the user's own file has it, beside the repaired one."""
+"""The unrepaired mesh of the user's file, and its numbers on the repaired one."""
 
 from __future__ import annotations
 
@@ -10,16 +10,16 @@ from .mesh import Mesh
 
 
 def user_mesh(mesh: Mesh) -> Mesh:
-    """The mesh as the user's file has it.
+    """The unrepaired mesh of the user's file, with the numbers of the file.
 
     Raises
     ------
     MeshError
-        If the file has changed or is missing, and the repaired mesh lacks part of it.
+        If the file is missing or has changed since, and repair dropped part of the mesh.
     """
     if mesh.path is not None and (mesh.path.exists() or not _whole(mesh)):
         return read_mesh(unchanged(mesh.path, mesh.sha256))
-    # What repair has left out is in no face, so its place does not matter.
+    # No face uses the vertices that repair dropped, so their coordinates do not matter.
     vertices = np.tile(mesh.vertices[:1], (mesh.n_file_vertices, 1))
     vertices[mesh.vertex_ids] = mesh.vertices
     return Mesh(
@@ -33,12 +33,12 @@ def user_mesh(mesh: Mesh) -> Mesh:
 
 
 def _whole(mesh: Mesh) -> bool:
-    """Whether repair has left nothing out."""
+    """Whether repair dropped nothing."""
     return len(mesh.vertices) == mesh.n_file_vertices and np.array_equal(mesh.face_ids, np.arange(mesh.n_file_faces))
 
 
 def repaired_numbers(mesh: Mesh, file: Mesh) -> np.ndarray:
-    """The repaired vertex of each vertex of the user's mesh (n,) int64, -1 for none; joined twins have the same."""
+    """The repaired vertex of each vertex of the user's mesh (n,) int64, -1 for none; merged ones have the same."""
     number = np.full(len(file.vertices), -1, np.int64)
     number[mesh.vertex_ids[::-1]] = np.arange(len(mesh.vertices))[::-1]
     twin = twins(file.vertices)

@@ -28,13 +28,13 @@ def mesh_files(
     values: Mapping[str, np.ndarray] | None = None,
     comment: str = "",
 ) -> dict[Path, bytes]:
-    """The files that a mesh is written to: the mesh itself last, after the files that it names.
+    """The files of a mesh by path: the mesh itself last, after its material and texture.
 
     Parameters
     ----------
     path
-        Ends in .ply, .obj or .glb. A .glb has one texture coordinate a vertex: vertices on seams get copies behind all
-        others.
+        Ends in .ply, .obj or .glb. A .glb has one texture coordinate per vertex: vertices on seams are duplicated, the
+        copies placed after all others.
     vertices, faces
         (n, 3) and (m, 3).
     colors
@@ -46,7 +46,7 @@ def mesh_files(
     values
         (n,) or (n, k) numbers at the vertices by name; .ply only.
     comment
-        A line of plain ASCII that the file carries along; .ply and .glb only.
+        A line of ASCII, written into the file; .ply and .glb only.
 
     Raises
     ------
@@ -55,19 +55,23 @@ def mesh_files(
     """
     kind = path.suffix.lower()
     if kind not in MESH_ENDINGS:
-        raise SettingsError(f"{path}: meshes are written as {', '.join(MESH_ENDINGS)}; give a name that ends so")
+        raise SettingsError(
+            f"{path}: meshes are written as {', '.join(MESH_ENDINGS)}; give a name with one of these endings"
+        )
     if (labels is not None or values) and kind != ".ply":
-        raise SettingsError(f"{path}: labels and values are kept in .ply files (or .npz, .csv, .txt), not in {kind}")
+        raise SettingsError(
+            f"{path}: labels and values can be written to .ply files (or .npz, .csv, .txt), not to {kind}"
+        )
     if kind == ".glb" and colors is not None and uv is not None:
-        raise SettingsError(f"{path}: a .glb file shows colours or a texture, not both; choose one, or another format")
+        raise SettingsError(f"{path}: a .glb file holds colours or a texture, not both; choose one, or another format")
     picture = path.with_suffix(".png")
     if kind == ".glb":
         return {path: _glb(vertices, faces, colors, uv, image, comment)}
     beside = {picture: image} if uv is not None and image is not None else {}
     if kind == ".ply":
-        told = [comment] if comment else []
-        told += [f"TextureFile {picture.name}"] if beside else []
-        return {**beside, path: _ply(vertices, faces, colors, uv, told, labels, values or {})}
+        comments = [comment] if comment else []
+        comments += [f"TextureFile {picture.name}"] if beside else []
+        return {**beside, path: _ply(vertices, faces, colors, uv, comments, labels, values or {})}
     material = path.with_suffix(".mtl")
     if beside:
         beside[material] = f"newmtl surface\nKd 1 1 1\nmap_Kd {picture.name}\n".encode()
@@ -105,7 +109,7 @@ def _ply(
     if labels is not None:
         corners["label"] = labels
     words = {"<f4": "float", "<f8": "double", "<u1": "uchar", "<i4": "int"}
-    header = ["ply", "format binary_little_endian 1.0", *(f"comment {one}" for one in comments)]
+    header = ["ply", "format binary_little_endian 1.0", *(f"comment {line}" for line in comments)]
     header += [f"element vertex {len(vertices)}", *(f"property {words[kind]} {name}" for name, kind, _ in rows)]
     header += [f"element face {len(faces)}", *(f"property list uchar {words[kind]} {name}" for name, kind, _ in lists)]
     header += [*(["property int label"] if labels is not None else []), "end_header\n"]
@@ -135,9 +139,9 @@ def _glb(
 ) -> bytes:
     import trimesh
 
-    told = {"comment": comment} if comment else None
+    metadata = {"comment": comment} if comment else None
     if uv is None:
-        plain = trimesh.Trimesh(vertices, faces, vertex_colors=colors, process=False, metadata=told)
+        plain = trimesh.Trimesh(vertices, faces, vertex_colors=colors, process=False, metadata=metadata)
         return _bytes(plain)
     from PIL import Image
 
@@ -145,7 +149,7 @@ def _glb(
     picture = None if image is None else Image.open(io.BytesIO(image))
     material = trimesh.visual.material.PBRMaterial(baseColorTexture=picture, metallicFactor=0.0, roughnessFactor=1.0)
     visual = trimesh.visual.TextureVisuals(uv=at, material=material)
-    return _bytes(trimesh.Trimesh(vertices[origin], faces, visual=visual, process=False, metadata=told))
+    return _bytes(trimesh.Trimesh(vertices[origin], faces, visual=visual, process=False, metadata=metadata))
 
 
 def _bytes(mesh: Any) -> bytes:
@@ -153,12 +157,12 @@ def _bytes(mesh: Any) -> bytes:
 
 
 def split_seams(n_vertices: int, faces: Ints, uv: np.ndarray) -> tuple[Ints, Ints, Floats]:
-    """Vertices with one texture coordinate each: copies of those on seams are put behind the others.
+    """Vertices with one texture coordinate each: those on seams are duplicated, the copies placed after the others.
 
     Returns
     -------
     origin, faces, uv
-        (n + k,) the vertex that each is a copy of, the first n their own; (m, 3) faces; (n + k, 2) coordinates.
+        (n + k,) the vertex that each one is a copy of, the first n of themselves; (m, 3) faces; (n + k, 2) coordinates.
     """
     rows = np.column_stack([faces.ravel(), uv.reshape(-1, 2)])
     kinds, number = np.unique(rows, axis=0, return_inverse=True)

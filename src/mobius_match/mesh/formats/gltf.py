@@ -16,9 +16,9 @@ import numpy as np
 
 from ...errors import FormatError
 from .raw import RawMesh, from_triangles, promised
+from .scenes import concatenated, placed_parts
 
 FLOAT, TRIANGLES, STRIP, FAN = 5126, 4, 5, 6
-MAX_TRIANGLES = 50_000_000  # nodes may show one mesh many times: a small file can unfold to any size
 
 
 def read_gltf(data: bytes, path: Path) -> RawMesh:
@@ -37,26 +37,8 @@ def read_gltf(data: bytes, path: Path) -> RawMesh:
     import trimesh
 
     scene = trimesh.load_scene(io.BytesIO(json.dumps(tree).encode()), file_type="gltf", resolver=files, process=False)
-    planned, n, points, faces = 0, 0, [np.zeros((0, 3))], [np.zeros((0, 3), dtype=np.int64)]
-    for node in scene.graph.nodes_geometry:
-        matrix, name = scene.graph[node]
-        part = scene.geometry[name]
-        planned += len(part.faces) + len(part.vertices)
-        promised(planned, "triangles and vertices in all nodes", MAX_TRIANGLES, "can be read; they do not")
-        wrong = int((part.faces >= len(part.vertices)).sum())
-        if wrong:
-            raise FormatError(f"{wrong} indices exceed the {len(part.vertices)} vertices of a part.")
-        points.append(part.vertices @ matrix[:3, :3].T + matrix[:3, 3])
-        # A mirroring transform turns triangles inside out, so their corners are exchanged (as renderers do).
-        mirrored = np.linalg.det(matrix[:3, :3]) < 0
-        faces.append((part.faces[:, [0, 2, 1]] if mirrored else part.faces) + n)
-        n += len(part.vertices)
     notes = [f"{skipped} primitive(s) of points or lines left out."] if skipped else []
-    if len(points) > 2:
-        notes.append(
-            f"{len(points) - 1} parts put together in the order of the scene's nodes; vertices count on through them."
-        )
-    return from_triangles(np.concatenate(points), np.concatenate(faces), None, notes)
+    return from_triangles(*concatenated(list(placed_parts(scene)), notes), None, notes)
 
 
 def _json(data: bytes) -> dict[str, Any]:

@@ -10,6 +10,8 @@ from numpy.typing import ArrayLike
 from ...errors import FormatError
 from ..mesh import Floats, Ints
 
+DAMAGED = "The file is damaged or was cut short: export it again."
+
 
 @dataclass
 class RawMesh:
@@ -23,7 +25,12 @@ class RawMesh:
 
 
 def from_triangles(
-    vertices: ArrayLike, faces: ArrayLike, sizes: Ints | None = None, notes: list[str] | None = None
+    vertices: ArrayLike,
+    faces: ArrayLike,
+    sizes: Ints | None = None,
+    notes: list[str] | None = None,
+    *,
+    remedy: str = DAMAGED,
 ) -> RawMesh:
     """Triangles that are the fans of polygons with `sizes` corners (F,), or the file's own faces if None."""
     faces = np.asarray(faces, dtype=np.int64).reshape(-1, 3)
@@ -42,13 +49,14 @@ def from_triangles(
         raise FormatError(
             f"face {face_ids[bad[0]]} (counting from 0) names vertex {wrong}, but there are "
             f"{len(raw.vertices)} vertices, numbered 0 to {len(raw.vertices) - 1}; "
-            f"{len(np.unique(face_ids[bad]))} of {len(sizes)} faces are wrong in this way. "
-            "The file is damaged or was cut short: export it again."
+            f"{len(np.unique(face_ids[bad]))} of {len(sizes)} faces are wrong in this way. {remedy}"
         )
     return raw
 
 
-def from_polygons(vertices: ArrayLike, sizes: Ints, corners: Ints, notes: list[str] | None = None) -> RawMesh:
+def from_polygons(
+    vertices: ArrayLike, sizes: Ints, corners: Ints, notes: list[str] | None = None, *, remedy: str = DAMAGED
+) -> RawMesh:
     """Polygons with `sizes` corners (F,), all vertex numbers in a row in `corners`, cut into fans.
 
     A fan depends on the numbering alone, so that two poses of one mesh get the same triangles.
@@ -57,13 +65,10 @@ def from_polygons(vertices: ArrayLike, sizes: Ints, corners: Ints, notes: list[s
     first = np.repeat(np.cumsum(sizes) - sizes, pieces)
     step = np.arange(len(first)) - np.repeat(np.cumsum(pieces) - pieces, pieces)
     faces = corners[np.stack([first, first + step + 1, first + step + 2], axis=1)]
-    return from_triangles(vertices, faces, sizes, notes)
+    return from_triangles(vertices, faces, sizes, notes, remedy=remedy)
 
 
 def promised(count: int, what: str, found: int, unit: str) -> None:
     """Refuse a header that promises more than the file can hold, before anything is allocated."""
     if count > found:
-        raise FormatError(
-            f"the header promises {count} {what}, but only {found} {unit} follow. "
-            "The file is damaged or was cut short: export it again."
-        )
+        raise FormatError(f"the header promises {count} {what}, but only {found} {unit} follow. {DAMAGED}")

@@ -1,7 +1,7 @@
 """VTK files, read by meshio: legacy .vtk, and .vtp and .vtu in XML.
 
-meshio does not know PolyData, which is handed over as an unstructured grid of polygons. Of several pieces it
-keeps only the cells of the last, so those are refused.
+meshio does not know PolyData, which is passed to it as an unstructured grid of polygons. Of a file with several pieces
+it keeps the cells of the last alone, so such files are refused.
 """
 
 from __future__ import annotations
@@ -17,13 +17,13 @@ from xml.etree import ElementTree
 import numpy as np
 
 from ...errors import FormatError
-from .raw import RawMesh, from_polygons, promised
+from .cells import from_cells
+from .raw import RawMesh, promised
 
 SECTION = re.compile(
     rb"(?im)^(POINTS|VERTICES|LINES|POLYGONS|TRIANGLE_STRIPS|CELLS|CELL_TYPES|FIELD|POINT_DATA|CELL_DATA)"
     rb"[ \t]+(\w{1,40})(?:[ \t]+(\w{1,40}))?[ \t]*$"
 )
-SURFACES, LOWER = ("triangle", "quad", "polygon"), ("vertex", "line")
 
 
 def read_vtk(data: bytes) -> RawMesh:
@@ -37,7 +37,7 @@ def read_vtk(data: bytes) -> RawMesh:
     data = data.replace(b"\r\n", b"\n") if text else data
     found = list(SECTION.finditer(data))
     stops = [section.start() for section in found[1:]] + [len(data)]
-    # The first of each name: what stands behind POINT_DATA is of no interest.
+    # The first of each name: what follows POINT_DATA is not needed.
     sections = {
         section[1].upper(): (section[2], section[3] or b"0", data[section.start() : stop])
         for section, stop in reversed(list(zip(found, stops, strict=True)))
@@ -87,7 +87,7 @@ def read_vtkxml(data: bytes) -> RawMesh:
     spare = ElementTree.SubElement(grid, "FieldData")
     for group in list(piece):
         if group.tag not in ("Points", "Polys", "Cells"):
-            # Kept as data of no meaning: meshio wants an owner for every appended array.
+            # Kept as field data: meshio needs an owner for every appended array.
             piece.remove(group)
             spare.extend(group)
     if kind == "PolyData":
@@ -106,31 +106,17 @@ def read_vtkxml(data: bytes) -> RawMesh:
 
 
 def _meshio(data: bytes, kind: str, count: int) -> RawMesh:
-    """What meshio reads from these bytes; they go through a file because it reads from nothing else."""
+    """Read these bytes with meshio, through a temporary file: it reads nothing else."""
     import meshio
 
     with tempfile.TemporaryDirectory() as folder, contextlib.redirect_stderr(io.StringIO()):
         path = Path(folder) / f"mesh.{kind}"
         path.write_bytes(data)
         mesh: Any = {"vtk": meshio.vtk, "vtu": meshio.vtu}[kind].read(path)
-    place, lower, sizes, corners = 0, 0, [np.zeros(0, dtype=np.int64)], [np.zeros(0, dtype=np.int64)]
-    for block in mesh.cells:
-        cells = np.asarray(block.data, dtype=np.int64)
-        if block.type not in (*SURFACES, *LOWER):
-            raise FormatError(
-                f"{len(cells)} cell(s) of type {block.type} are neither triangles, quadrilaterals nor "
-                f"polygons (the first is cell {place}). Extract the surface and save it as PolyData."
-            )
-        place += len(cells)
-        if block.type in LOWER:
-            # Faces keep the number of their cell: a cell without a surface becomes a face without corners.
-            lower += len(cells)
-            cells = cells[:, :0]
-        sizes.append(np.full(len(cells), cells.shape[1]))
-        corners.append(cells.ravel())
-    if place != count:
+    found = sum(len(block.data) for block in mesh.cells)
+    if found != count:
         raise FormatError(
-            f"{count} cells are promised, {place} can be read. Save the surface as PolyData, or export again."
+            f"the header promises {count} cells, but {found} can be read. "
+            "Save the surface as PolyData, or export it again."
         )
-    notes = [f"{lower} point or line cell(s) kept in the numbering, but without a face."] if lower else []
-    return from_polygons(mesh.points, np.concatenate(sizes), np.concatenate(corners), notes)
+    return from_cells(mesh.points, ((block.type, block.data) for block in mesh.cells))
