@@ -19,16 +19,16 @@ from mobius_match.evaluation import Run, find_dataset, run, summary, write_compa
 HEADING = """# Benchmark
 
 Errors of the sparse matches against known correspondence, in order of confidence: the geodesic distance on the target
-between the match and the true point, divided by the geodesic diameter of the target (the paper's measure). "Wrong" is the
-number of pairs with a mean error of the first 45 matches above 0.10. For sets with 21 landmarks per shape, each landmark
-is compared with the match nearest to it on the source, so the error includes the distance between the two; other matches
-are ignored. Each pair has the same weight. Pairs with fewer than 45 matches contribute all they have.
+between the match and the true point, divided by the geodesic diameter of the target (the paper's measure). "Wrong" is
+the number of pairs with a mean error of the first 45 matches above 0.10. For sets with 21 landmarks per shape, each
+landmark is compared with the match nearest to it on the source, so the error includes the distance between the two;
+other matches are ignored. Each pair has the same weight. Pairs with fewer than 45 matches contribute all they have.
 
 By default the matches are the samples and the most confident points between them, about 600 in total. The first of them
 often cluster on a face or a hand.
 
-The data sets are published academic ones, remeshed to about 5,000 vertices (`tosca`, `tosca_nonisometric`, `faust`; each
-shape independently) or as published (`shrec07_fourleg`, `tosca_original`). They are not part of the project.
+The data sets are published academic ones, remeshed to about 5,000 vertices (`tosca`, `tosca_nonisometric`, `faust`;
+each shape independently) or as published (`shrec07_fourleg`, `tosca_original`). They are not part of the project.
 
 | set | pairs | settings | mean of first 15 | mean of first 45 | first 15 within 3 % | wrong | matches | within 5 % |
 |---|---|---|---|---|---|---|---|---|
