@@ -28,7 +28,7 @@ from mobius_match.errors import FormatError
 from mobius_match.evaluation import Case, Truth, find_dataset, summary
 from mobius_match.evaluation.work import match_pair, prepare_one, record_of, surface_path
 from mobius_match.matching.parameters import Parameters
-from mobius_match.registration.parameters import ConfidenceTerms, Schedule
+from mobius_match.registration.parameters import ConfidenceTerms
 from mobius_match.settings import make_settings
 
 HEADING = """# Ablation{where}
@@ -62,18 +62,11 @@ alignment, so the number of wrong pairs, the last in each cell, is the most tell
 Changes = dict[str, Any]
 """Values of parameters by name, or of a setting by its own."""
 
-NO_DATA = Schedule((), 0, 0)
 STRAIN = "alignment.selection."
 CHOICE = "alignment.cost.weights."
 REGISTRATION = "alignment.registration."
 CONFIDENCE = f"{REGISTRATION}confidence.slopes."
 COARSE = "alignment.coarse_map."
-FEATURES = [f"{REGISTRATION}{name}." for name in ("similar", "different", "compared")]
-
-
-def without_feature(kind: str) -> Changes:
-    """The registration of the proxy does not compare this kind of features."""
-    return {f"{name}{kind}": 0.0 for name in FEATURES}
 
 
 COSTS = [one.name for one in fields(CostWeights) if one.name != "landmarks"]
@@ -86,7 +79,7 @@ SETTINGS: dict[str, Changes] = {
     },
     "intrinsic Delaunay triangulation": {"triangulation": "mesh"},
     "heat geodesics (edge paths)": {"geodesics": "dijkstra"},
-    "registration": {"threshold": 0.0},
+    "registration beyond the initial placement": {"threshold": 0.0},
     "confidence (all alike)": {"threshold": 0.0},
     **{f"confidence: {name}": {"threshold": 0.0} for name in SLOPES},
 }
@@ -96,25 +89,19 @@ PARAMETERS: dict[str, Changes] = {
     "choice between alignments (votes, and strain)": {f"{CHOICE}{name}": 0.0 for name in COSTS},
     **{f"choice: {name.replace('_', ' ')}": {f"{CHOICE}{name}": 0.0} for name in COSTS},
     "choice: strain of close ones": {f"{STRAIN}most_contenders": 1},
-    "choice: strain of full registration (coarse alone)": {f"{STRAIN}hopeless_margin": 0.0},
-    "extremities, where nothing fits well": {f"{STRAIN}extremities_above": np.inf},
-    "other beginnings, weights and repeats, where shapes differ": {f"{STRAIN}different_above": np.inf},
+    "extremities, where shapes differ": {"alignment.extremities.most": 0},
+    "other beginnings, extremities and repeats, where shapes differ": {f"{STRAIN}different_above": np.inf},
     "repeated registration, where shapes differ": {f"{STRAIN}repeats": 0},
     "descriptors in the coarse map": {f"{COARSE}descriptor_weight": 0.0},
     "transport (nearest points)": {f"{COARSE}transport.balance": 0.0},
-    "upsampling (20 eigenfunctions alone)": {f"{COARSE}upsampling": (20,)},
-    "registration": {
-        f"{REGISTRATION}full": NO_DATA,
-        f"{REGISTRATION}coarse": NO_DATA,
-        f"{REGISTRATION}initial_weight": 1e6,
-        f"{REGISTRATION}initial_steps": 1,
-    },
-    "registration: normals": without_feature("normal"),
-    "registration: eigenfunctions": without_feature("spectral"),
-    "registration: descriptors": without_feature("descriptor"),
-    "registration: curvatures": without_feature("curvature"),
+    "upsampling in small steps": {f"{COARSE}upsampling_step": 1000},
+    "registration beyond the initial placement": {f"{REGISTRATION}n_weights": 0},
+    "registration: normals": {f"{REGISTRATION}normal": 0.0},
+    "registration: eigenfunctions": {f"{REGISTRATION}spectral": 0.0},
+    "registration: descriptors": {f"{REGISTRATION}descriptor": (0.0, 0.0)},
+    "registration: curvatures": {f"{REGISTRATION}curvature": (0.0, 0.0)},
     "registration: discontinuous pieces ignored": {f"{REGISTRATION}discontinuity": np.inf},
-    "registration: rising data weight (the first alone)": {f"{REGISTRATION}full.data_weights": (0.1,)},
+    "registration: rising data weight (the first alone)": {f"{REGISTRATION}n_weights": 1},
     "confidence (all alike)": {f"{CONFIDENCE}{name}": 0.0 for name in SLOPES},
     **{f"confidence: {name}": {f"{CONFIDENCE}{name}": 0.0} for name in SLOPES},
 }

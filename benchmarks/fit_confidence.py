@@ -43,8 +43,8 @@ def observations(case: Case, seed: int) -> tuple[np.ndarray, np.ndarray]:
     alignment = align(source, target, votes, settings, parameters).alignments[0]
     registration = alignment.registered(source, target, parameters.alignment)
     distances = distances_to_images(source, target, registration)
-    terms, floors = confidence_terms(source, target, registration, distances, confidence), confidence.floors
-    columns = [np.log(getattr(terms, name) + getattr(floors, name)) for name in vars(floors)]
+    terms = confidence_terms(source, target, registration, distances, confidence)
+    columns = [np.log(getattr(terms, name) + confidence.floor) for name in vars(confidence.slopes)]
     pairs = np.stack([source.mesh.vertex_ids[source.proxy], target.mesh.vertex_ids[registration.image]], axis=1)
     scorer = Scorer(case, source.whole_mesh, target.whole_mesh, "heat", cached_diameter(target.whole_mesh, "heat"))
     errors = scorer.score(pairs, np.ones(len(pairs)))["direct"]

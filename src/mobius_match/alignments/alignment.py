@@ -56,7 +56,7 @@ class Alignment:
 
     def feature_weights(self, parameters: AlignmentParameters) -> FeatureWeights:
         """Weights of features when the source is registered along it."""
-        return parameters.registration.different if self.shapes_differ else parameters.registration.similar
+        return parameters.registration.features(self.shapes_differ)
 
     def initial_targets(
         self, source: Surface, target: Surface, image: np.ndarray, parameters: AlignmentParameters
@@ -115,7 +115,7 @@ def register_iteratively(
 ) -> Registration:
     """The source registered along an alignment iteratively, each time from the result of the last.
 
-    A map that began badly improves, and averaging the last positions evens out errors along limbs. The first
+    A map that began badly improves, and averaging their positions evens out errors along limbs. The first
     registration may be given.
     """
     if alignment.shapes_differ and alignment.registration is not None:
@@ -129,7 +129,7 @@ def register_iteratively(
         )
     # Where shapes differ, the registration of least strain is not the right one.
     best = registrations[-1] if alignment.shapes_differ else cheapest(source, target, registrations, parameters)
-    positions = np.stack([best.positions, *(one.positions for one in registrations[-selection.averaged :])])
+    positions = np.stack([best.positions, *(one.positions for one in registrations[1:] or registrations)])
     distances = np.linalg.norm(positions - best.positions, axis=2)
     near = distances <= selection.averaging_radius * target.scale
     return replace(best, positions=np.einsum("kp,kpd->pd", near, positions) / near.sum(axis=0)[:, None])

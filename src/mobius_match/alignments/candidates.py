@@ -106,9 +106,9 @@ def candidate_alignments(
         variants = map_threads(lambda k, _: aligned(agreed(tasks[k][1]), 0.0, tasks[k][2]), len(tasks), jobs, None)
         for (i, _, _), variant in zip(tasks, variants, strict=True):
             found[i] = min(found[i], replace(variant, share=shares[i]), key=by_cost)
-    if with_extremities and least > selection.extremities_above:
+    if with_extremities and least > selection.different_above:
         # All of the triplets that were drawn may be wrong.
-        extremities = extremity_triplets(source, target, parameters.extremities)
+        extremities = extremity_triplets(source, target, parameters.extremities, parameters.cost.softening)
         lists = [agreed_matches(*one, len(target.samples), clusters.most_matches) for one in extremities]
         lists = [matches for matches in lists if len(matches) > 2]
         costs = map_threads(lambda i, _: quick_cost(lists[i]), len(lists), jobs, None)

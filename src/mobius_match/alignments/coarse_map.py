@@ -33,10 +33,11 @@ def coarse_map(
     thinning = parameters.thinning
     plan = _plan_by_distances(source, target, matches, parameters, constraints, thinning)
     first, second = (surface.eigenfunctions[surface.proxy] for surface in (source, target))
-    for count in parameters.upsampling:
+    most = min(first.shape[1], second.shape[1])
+    for count in (*range(parameters.upsampling_start, most, parameters.upsampling_step), most):
         # The functional map of a plan sends each point to the mean of the places that its mass goes to.
         transfer = functional_map(first[::thinning, :count], plan @ second[::thinning, :count])
-        step = 1 if count == parameters.upsampling[-1] else thinning
+        step = 1 if count == most else thinning
         plan = _transport(source, target, first[:, :count] @ transfer, second[:, :count], parameters, step).plan
     return plan
 
@@ -55,7 +56,7 @@ def quick_image(
     numpy.ndarray
         (ceil(P1 / quick_thinning),) int64: points of the target's proxy.
     """
-    step, count = parameters.quick_thinning, parameters.upsampling[0]
+    step, count = parameters.quick_thinning, parameters.upsampling_start
     plan = _plan_by_distances(source, target, matches, parameters, constraints, step)
     first, second = (surface.eigenfunctions[surface.proxy, :count] for surface in (source, target))
     first = first @ functional_map(first[::step], plan @ second[::step])

@@ -22,7 +22,7 @@ def dense_map_of_alignment(
     its ends alone, with a foot drawn over half a shin.
     """
     slimness, other = (surface.normalized_distances.mean() for surface in (source, target))
-    if other <= parameters.selection.slimmer_ratio * slimness:
+    if other <= slimness:
         registration = register_iteratively(source, target, alignment, parameters)
         return dense_map(source, target, registration, parameters.registration)
     registered = alignment.registered(source, target, parameters)

@@ -26,17 +26,19 @@ def extremities(surface: Surface, parameters: ExtremityParameters) -> np.ndarray
     return samples[np.argsort(-average[samples], kind="stable")][: parameters.most]
 
 
-def extremity_matchings(source: Surface, target: Surface, parameters: ExtremityParameters) -> list[np.ndarray]:
+def extremity_matchings(
+    source: Surface, target: Surface, parameters: ExtremityParameters, softening: float
+) -> list[np.ndarray]:
     """The likely ways to match extremities, the likeliest first: pairs of samples (q, 2) each, q > 2.
 
     Their cost is the mean absolute difference of the logarithms of their mutual distances. One extremity of the surface
-    that has fewer may be left out, at a cost.
+    that has fewer may be left out, at a cost. The softening, per sqrt(area), is added before the logarithm.
     """
     ends1, ends2 = extremities(source, parameters), extremities(target, parameters)
     between1, between2 = source.normalized_distances, target.normalized_distances
     matchings: list[tuple[np.ndarray, np.ndarray]] = []
     costs: list[np.ndarray] = []
-    most, softening = min(len(ends1), len(ends2)), parameters.softening
+    most = min(len(ends1), len(ends2))
     for size in range(most, max(most - 2, 2), -1):
         i, j = np.triu_indices(size, 1)
         images = ends2[np.array(list(permutations(range(len(ends2)), size)))]
@@ -54,7 +56,7 @@ def extremity_matchings(source: Surface, target: Surface, parameters: ExtremityP
 
 
 def extremity_triplets(
-    source: Surface, target: Surface, parameters: ExtremityParameters
+    source: Surface, target: Surface, parameters: ExtremityParameters, softening: float
 ) -> list[tuple[np.ndarray, np.ndarray]]:
     """The triplets of each likely way to match extremities.
 
@@ -64,7 +66,7 @@ def extremity_triplets(
         The target sample that each triplet pairs each source sample with, (i, N1) int, -1 for none, and the weights of
         the triplets (i,), as in :class:`.Votes`.
     """
-    matchings = extremity_matchings(source, target, parameters)
+    matchings = extremity_matchings(source, target, parameters, softening)
     if not matchings:
         return []
     triplets = [matching[np.array(list(combinations(range(len(matching)), 3)))] for matching in matchings]

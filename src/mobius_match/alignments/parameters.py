@@ -30,15 +30,18 @@ class CoarseMapParameters:
     match_radius: float = parameter(
         0.3, "the influence of a match falls to 1/e at this distance in the first map", unit=AREA, origin=HAND
     )
-    upsampling: tuple[int, ...] = parameter(
-        (20, 30, 40, 50), "numbers of eigenfunctions of the successive refinements", origin=HAND
-    )
-    thinning: int = parameter(2, "all maps but the last use every so many-th point of the proxies", origin=HAND)
-    quick_thinning: int = parameter(4, "the same where many candidates are compared", origin=HAND)
+    upsampling_start: int = parameter(20, "eigenfunctions of the first refinement", origin=HAND)
+    upsampling_step: int = parameter(10, "eigenfunctions more at each further one, up to all", origin=HAND)
+    thinning: int = parameter(2, "all maps but the last use every so many-th point of the proxies", origin="time")
     descriptor_weight: float = parameter(
         0.4, "weight of descriptors against eigenfunctions, by root mean square", origin=HAND
     )
     transport: TransportParameters = TransportParameters()
+
+    @property
+    def quick_thinning(self) -> int:
+        """The same where many candidates are compared: thinned twice."""
+        return self.thinning**2
 
 
 @dataclass(frozen=True)
@@ -63,7 +66,6 @@ class ExtremityParameters:
     most: int = parameter(6, "extremities of a surface at most", origin=HAND)
     likely: int = parameter(120, "ways to match them that are looked at", origin=HAND)
     tried: int = parameter(5, "ways to match them that become candidates", origin=HAND)
-    softening: float = parameter(0.1, "added to distances before their logarithm", unit=AREA, origin=HAND)
     omission_cost: float = parameter(0.05, "cost of leaving an extremity out", origin=HAND)
 
 
@@ -103,25 +105,23 @@ class CostParameters:
 class SelectionParameters:
     """What is done, and how much of it, until an alignment is chosen; costs have no unit."""
 
-    extremities_above: float = parameter(
-        1.5, "cost of the best candidate above which extremities are matched as well", origin=HAND
-    )
     different_above: float = parameter(
-        2.0, "cost of the best candidate above which the two shapes differ in more than their pose", origin=HAND
+        2.0,
+        "cost of the best candidate above which the two shapes differ in more than their pose: extremities are matched "
+        "as well, maps are begun in other ways, and registration is repeated",
+        origin=HAND,
     )
-    contest_margin: float = parameter(1.5, "margin up to which candidates are compared by registration", origin=HAND)
-    most_contenders: int = parameter(4, "candidates compared at most", origin=HAND)
-    hopeless_margin: float = parameter(
-        3.0, "margin after coarse registration above which a candidate is not registered fully", origin=HAND
+    contest_margin: float = parameter(
+        2.0, "margin up to which candidates are compared by registration, first coarse, then full", origin=HAND
     )
+    most_contenders: int = parameter(4, "candidates compared at most", origin="time")
     ambiguous_margin: float = parameter(0.3, "margin below which the choice is called ambiguous", origin=HAND)
     repeats: int = parameter(4, "repeated registrations of the chosen alignment where shapes differ", origin=HAND)
-    averaged: int = parameter(3, "of these, the last whose positions are averaged", origin=HAND)
     averaging_radius: float = parameter(
-        0.05, "positions farther than this from the best are left out of the average", unit=AREA, origin=HAND
-    )
-    slimmer_ratio: float = parameter(
-        1.05, "ratio of mean distances above which the target is the one that is deformed", origin=HAND
+        0.05,
+        "of these, positions farther than this from the best are left out of the mean",
+        unit=AREA,
+        origin=HAND,
     )
 
 

@@ -46,7 +46,7 @@ def rerank_by_registration(
 
     strains = np.array(map_threads(coarse_strain, len(rivals), jobs, None) if len(rivals) > 1 else [0.0])
     totals = strains + [one.cost for one in rivals]
-    least, likely = int(totals.argmin()), np.flatnonzero(totals <= totals.min() + selection.hopeless_margin).tolist()
+    least, likely = int(totals.argmin()), np.flatnonzero(totals <= totals.min() + selection.contest_margin).tolist()
     contenders = [replace(rivals[i], shapes_differ=differ) for i in likely]
     registrations = map_threads(
         lambda k, _: contenders[k].registered(source, target, parameters, jobs), len(likely), jobs, None

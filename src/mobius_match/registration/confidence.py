@@ -37,12 +37,8 @@ def match_probabilities(
         The constants of the model.
     """
     terms = confidence_terms(source, target, registration, distances, parameters)
-    score = parameters.offset + sum(
-        slope * np.log(term + floor)
-        for term, floor, slope in zip(
-            _values(terms), _values(parameters.floors), _values(parameters.slopes), strict=True
-        )
-    )
+    pairs = zip(_values(terms), _values(parameters.slopes), strict=True)
+    score = parameters.offset + sum(slope * np.log(term + parameters.floor) for term, slope in pairs)
     return np.asarray(1 / (1 + np.exp(-score)))
 
 
@@ -60,16 +56,16 @@ def confidence_terms(
     """The features (P1,) of each vertex of the proxy; see :func:`match_probabilities`."""
     # Distances from the places to the target's samples, and from the source's samples to where those come from.
     here, there = _distances_to_origins(source, target, registration), distances / target.scale
-    weight = np.exp(-np.minimum(here, there) / parameters.sample_radius)
+    weight = np.exp(-np.minimum(here, there) / parameters.radius)
     disagreement = (weight * np.abs(here - there)).sum(axis=1) / weight.sum(axis=1)
-    nearby = np.exp(-((source.proxy_geodesics / parameters.smoothing_radius) ** 2))
+    nearby = np.exp(-((source.proxy_geodesics / (parameters.radius / 2)) ** 2))
     nearby /= nearby.sum(axis=1, keepdims=True)
     images = target.mesh.vertices[registration.image]
     return ConfidenceTerms(
         distances=inverse_distance_means(source.proxy_distances.T, disagreement[None])[0],
         residual=nearby @ registration.residual,
         strain=nearby @ edge_strain(source, target, registration),
-        stability=stability(target, images, parameters.stability_radius),
+        stability=stability(target, images, parameters.radius),
     )
 
 

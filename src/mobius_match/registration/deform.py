@@ -52,16 +52,13 @@ class Target:
     ----------
     positions
         (n2, 3) of the target's vertices, per sqrt(area).
-    candidates
-        (c,) int64: the vertices among which the closest are searched.
     features
-        (c, k) of these.
+        (n2, k) of these.
     pulling
-        (r,) int64: places in ``candidates`` of those that pull the point of the source that is closest to them.
+        (r,) int64: the vertices that pull the point of the source that is closest to them.
     """
 
     positions: np.ndarray
-    candidates: np.ndarray
     features: np.ndarray
     pulling: np.ndarray
 
@@ -106,12 +103,12 @@ def deform(
     """
     closest = NearestNeighbors(target.features)
     pulling = target.features[target.pulling]
-    pulled_to = target.positions[target.candidates[target.pulling]]
+    pulled_to = target.positions[target.pulling]
     size = len(state.positions)
     for weight in schedule.data_weights:
         for _ in range(schedule.rounds):
             features = query(state)
-            image = target.candidates[closest.nearest(features)]
+            image = closest.nearest(features)
             targets = target.positions[image]
             if len(pulling):
                 # Each point goes to the mean of its closest point and of all that it is the closest to.

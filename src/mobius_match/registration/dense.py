@@ -115,11 +115,10 @@ def register_vertices(
         query,
         Target(
             there,
-            everything,
             np.hstack([there, weights.normal * normals2, appearance2]),
             everything if whole else everything[:0],
         ),
-        parameters.dense,
+        parameters.full,
         order=spatial_order(rest),
     )
     return state.positions * scale2, _unit(rotated_normals(normals1, state.rotations))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Generic, TypeVar
 
 from .._core.parameters import AREA, HAND, parameter
@@ -77,18 +77,14 @@ class ConfidenceTerms(Generic[Value]):
 class ConfidenceParameters:
     """A logistic model of the probability that a match is right."""
 
-    sample_radius: float = parameter(
-        0.15, "a sample's weight falls to 1/e at this distance from the place that is judged", unit=AREA, origin=HAND
+    radius: float = parameter(
+        0.12,
+        "surroundings of a place: a sample's weight falls to 1/e at this distance, normals count up to it, residual "
+        "and strain are averaged by a Gaussian of half the width",
+        unit=AREA,
+        origin=HAND,
     )
-    smoothing_radius: float = parameter(
-        0.06, "width of the Gaussian that residual and edge strain are averaged with", unit=AREA, origin=HAND
-    )
-    stability_radius: float = parameter(
-        0.12, "radius of the patch whose normals tell how stable a place is", unit=AREA, origin=HAND
-    )
-    floors: ConfidenceTerms[float] = parameter(
-        ConfidenceTerms(0.01, 0.01, 0.02, 0.02), "added to each feature before its logarithm", origin=HAND
-    )
+    floor: float = parameter(0.01, "added to each feature before its logarithm", origin=HAND)
     slopes: ConfidenceTerms[float] = parameter(
         ConfidenceTerms(-0.60, -2.54, -1.19, 1.14),
         "slope of the logarithm of each feature",
@@ -101,45 +97,29 @@ class ConfidenceParameters:
 class RegistrationParameters:
     """Non-rigid registration, of the proxy (sparse) and of all vertices (dense)."""
 
-    initial_weight: float = parameter(0.02, "data weight while the source moves to its initial targets", origin=HAND)
-    initial_steps: int = parameter(12, "local and global steps for that", origin=HAND)
-    full: Schedule = parameter(Schedule((0.1, 0.3, 1.0), 3, 2), "schedule of a full registration", origin=HAND)
-    coarse: Schedule = parameter(
-        Schedule((0.1, 0.3, 1.0, 3.0), 1, 2),
-        "schedule where several candidates are compared: one search a weight, and a last weight that turns what does "
-        "not fit into strain",
-        origin=HAND,
+    first_weight: float = parameter(0.1, "first data weight against rigidity", origin=HAND)
+    weight_ratio: float = parameter(3.0, "ratio of a data weight to the one before", origin=HAND)
+    n_weights: int = parameter(3, "data weights of a full registration", origin=HAND)
+    rounds: int = parameter(3, "searches for closest points at each weight", origin=HAND)
+    steps: int = parameter(2, "alternations of the local and the global step after each search", origin=HAND)
+    normal: float = parameter(0.15, "weight of normals against positions per sqrt(area)", origin=HAND)
+    spectral: float = parameter(0.02, "weight of eigenfunctions", origin=HAND)
+    descriptor: tuple[float, float] = parameter(
+        (0.07, 0.03), "weight of descriptors where the shapes are similar, and where they differ", origin=HAND
     )
-    part: Schedule = parameter(
-        Schedule((0.1, 0.3, 1.0, 3.0), 3, 2), "schedule of a part on its whole", origin="full and coarse"
-    )
-    dense: Schedule = parameter(Schedule((0.1, 0.3, 0.6, 1.2), 4, 4), "schedule of all vertices", origin=HAND)
-    similar: FeatureWeights = parameter(
-        FeatureWeights(0.15, 0.02, 0.07, 0.05), "weights of features where the shapes are similar", origin=HAND
-    )
-    different: FeatureWeights = parameter(
-        FeatureWeights(0.15, 0.02, 0.03, 0.1), "where they differ, and descriptors tell less", origin=HAND
-    )
-    compared: FeatureWeights = parameter(
-        FeatureWeights(0.15, 0.02, 0.07, 0.0),
-        "where candidates are compared: curvatures would pull a wrong one into shape",
-        origin=HAND,
-    )
-    partial: FeatureWeights = parameter(
-        FeatureWeights(0.15), "for a part, which shares no eigenfunctions with its whole", origin=HAND
+    curvature: tuple[float, float] = parameter(
+        (0.05, 0.1), "weight of curvatures where the shapes are similar, and where they differ", origin=HAND
     )
     of_vertices: FeatureWeights = parameter(
-        FeatureWeights(0.04, 0.003, 0.0, 0.015), "for the registration of all vertices", origin=HAND
+        FeatureWeights(0.04, 0.003, 0.0, 0.015),
+        "weights of features in dense registration, which is closer to begin with",
+        origin=HAND,
     )
     discontinuity: float = parameter(
         0.07, "the map is discontinuous where an edge's image is longer than the edge by this", unit=AREA, origin=HAND
     )
-    release_weight: float = parameter(
-        0.1, "data weight up to which discontinuous pieces are ignored", origin="the first weight of the schedules"
-    )
-    most_candidates: int = parameter(10_000, "target vertices among which closest points are searched", origin=HAND)
     strain_weights: tuple[float, float] = parameter(
-        (16.0, 2.0), "weights of the logarithms of edge strain and of normal deviation", origin=HAND
+        (16.0, 2.0), "weights of the logarithms of mean stretch and of mean normal deviation", origin=HAND
     )
     strain_floors: tuple[float, float] = parameter(
         (0.01, 0.001), "added to the two before the logarithm", origin="a hundredth of what good matches have"
@@ -149,3 +129,48 @@ class RegistrationParameters:
     )
     carriers: int = parameter(6, "vertices of the proxy that carry a vertex of the mesh", origin=HAND)
     confidence: ConfidenceParameters = ConfidenceParameters()
+
+    def schedule(self, n_weights: int, rounds: int) -> Schedule:
+        """Data weights from the first on, each a multiple of the one before."""
+        weights = tuple(self.first_weight * self.weight_ratio**k for k in range(n_weights))
+        return Schedule(weights, rounds, self.steps)
+
+    @property
+    def full(self) -> Schedule:
+        """Of a full registration, sparse or dense."""
+        return self.schedule(self.n_weights, self.rounds)
+
+    @property
+    def coarse(self) -> Schedule:
+        """Where candidates are compared: one search a weight, and one more weight, which turns misfits into strain."""
+        return self.schedule(self.n_weights + 1, 1)
+
+    @property
+    def part(self) -> Schedule:
+        """Of a part on its whole, which is judged by its strain as well."""
+        return self.schedule(self.n_weights + 1, self.rounds)
+
+    @property
+    def initial_weight(self) -> float:
+        """Data weight while the source moves to its initial targets: the one before the first."""
+        return self.first_weight / self.weight_ratio
+
+    @property
+    def initial_steps(self) -> int:
+        """Steps for that: as many as at each other weight."""
+        return self.rounds * self.steps
+
+    def features(self, shapes_differ: bool) -> FeatureWeights:
+        """Weights of features where the shapes are similar, or where they differ and descriptors tell less."""
+        kind = int(shapes_differ)
+        return FeatureWeights(self.normal, self.spectral, self.descriptor[kind], self.curvature[kind])
+
+    @property
+    def compared(self) -> FeatureWeights:
+        """Where candidates are compared: curvatures would pull a wrong one into shape."""
+        return replace(self.features(False), curvature=0.0)
+
+    @property
+    def partial(self) -> FeatureWeights:
+        """For a part, which shares neither eigenfunctions nor descriptors with its whole."""
+        return FeatureWeights(self.normal)

@@ -84,7 +84,7 @@ def register(
         Landmarks: the source is pinned there.
     """
     schedule = schedule or parameters.full
-    weights = weights or (parameters.similar if whole else parameters.partial)
+    weights = weights or (parameters.features(False) if whole else parameters.partial)
     centre, scale = target.mesh.vertices.mean(axis=0), target.scale
     rest, there = source.mesh.vertices / source.scale, (target.mesh.vertices - centre) / scale
     normals1 = vertex_normals(rest, source.mesh.faces)[source.proxy]
@@ -93,7 +93,6 @@ def register(
     spectral1 = source.eigenfunctions[source.proxy].astype(np.float64)[:, :n_spectral]
     spectral2 = target.eigenfunctions[:, :n_spectral]
     appearance1, appearance2 = appearance(source, weights)[source.proxy], appearance(target, weights)
-    candidates = _candidates(target, parameters.most_candidates)
 
     def query(state: State) -> np.ndarray:
         on_target = functional_map(spectral1[state.continuous], spectral2[state.image[state.continuous]])
@@ -118,14 +117,13 @@ def register(
         query,
         Target(
             there,
-            candidates,
-            features(there[candidates], normals2[candidates], spectral2[candidates], appearance2[candidates], weights),
-            np.searchsorted(candidates, target.proxy if whole else target.proxy[:0]),
+            features(there, normals2, spectral2, appearance2, weights),
+            target.proxy if whole else target.proxy[:0],
         ),
         schedule,
         order=spatial_order(rest[source.proxy]),
         constraints=points,
-        release_weight=parameters.release_weight if ignore_discontinuous else 0.0,
+        release_weight=parameters.first_weight if ignore_discontinuous else 0.0,
         discontinuity=parameters.discontinuity,
     )
     normals = rotated_normals(normals1, state.rotations)
@@ -154,12 +152,3 @@ def is_discontinuous(source: Surface, target: Surface, image: np.ndarray, tolera
     """Whether a map of the source's proxy to target vertices (P1,) tears pieces off; tolerance per sqrt(area)."""
     images = target.mesh.vertices[image] / target.scale
     return not deformation_graph(source).continuous(images, tolerance).all()
-
-
-def _candidates(surface: Surface, most: int) -> np.ndarray:
-    """Vertices (c,) ascending: all if there are no more than that, else the proxy and an even draw."""
-    n = len(surface.mesh.vertices)
-    if n <= most:
-        return np.arange(n)
-    drawn = np.random.default_rng(0).choice(n, most - len(surface.proxy), replace=False)
-    return np.union1d(surface.proxy, drawn)
