@@ -17,8 +17,8 @@ help: ## show this list
 demo: $(READY) ## match the shipped pairs of meshes, write results, pictures and pages to mobius-demo/
 	@$(BIN)/mobius demo -o $(DEMO_DIR)
 
-test: $(READY) ## run the tests
-	@$(BIN)/python -m pytest
+test: $(READY) ## run the tests in two processes, and print how much of the code they run
+	@$(BIN)/python -m pytest --numprocesses 2 --dist loadfile --no-loadscope-reorder --cov --cov-report term
 
 lint: $(READY) ## check style, types, and that imports point down the floors
 	@$(BIN)/ruff check .

@@ -13,9 +13,10 @@ from mobius_match.alignments.coarse_map import coarse_map, quick_image, refined_
 from mobius_match.alignments.cost import cost_terms, total_cost
 from mobius_match.alignments.parameters import AlignmentParameters, CostWeights
 from mobius_match.alignments.selection import ambiguity_warnings, rerank_by_registration
+from mobius_match.landmarks.constraints import landmark_constraints
 from mobius_match.settings import MatchSettings
 from mobius_match.voting.votes import cast_votes
-from tests.shapes import lump, renumbered, true_places
+from tests.shapes import ellipsoid, lump, renumbered, true_places
 
 PARAMETERS = AlignmentParameters()
 SELECTION = PARAMETERS.selection
@@ -76,6 +77,20 @@ def test_a_quick_image_is_that_of_the_coarse_map_nearly_everywhere(surface, iden
     thinned = places[:: PARAMETERS.coarse_map.quick_thinning]
     error = np.linalg.norm(places[image] - thinned, axis=1) / np.sqrt(surface.area)
     assert error.mean() < 0.02
+
+
+def test_landmarks_decide_between_symmetric_coarse_maps():
+    """Half a turn about its long axis takes an ellipsoid to itself, and its tip, the only match, stays in place."""
+    vertices, faces = ellipsoid()
+    surface = mm.prepare((vertices, faces))
+    opposite = np.linalg.norm(vertices[:, None] - vertices * [-1, -1, 1], axis=2).argmin(axis=0)
+    tip = int(np.abs(surface.mesh.vertices[surface.samples, 2]).argmax())
+    known = surface.samples[[10, 40, 70]]
+    for images in (np.arange(len(vertices)), opposite):
+        constraints, _ = landmark_constraints(np.column_stack([known, images[known]]), surface, surface)
+        plan = coarse_map(surface, surface, np.array([[tip, tip]]), PARAMETERS.coarse_map, constraints)
+        found, places = vertices[surface.proxy[plan.argmax(axis=1)]], vertices[images[surface.proxy]]
+        assert np.linalg.norm(found - places, axis=1).mean() < 0.02 * np.sqrt(surface.area)
 
 
 def test_every_cost_term_is_large_for_a_random_map(surface):

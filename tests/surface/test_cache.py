@@ -1,4 +1,4 @@
-"""The cache: what comes from it is what would have been computed, and nothing else ever does."""
+"""The cache: what it returns is what would have been computed, whatever happened to its files."""
 
 import json
 import logging
@@ -60,7 +60,7 @@ def arrays(surface):
     }
 
 
-def test_results_are_the_same_to_the_last_byte_with_and_without(meshes, prepared):
+def test_results_are_the_same_to_the_last_byte_with_and_without_the_cache(meshes, prepared):
     without, first, second = (mm.match(*meshes, **QUICK, cache=cached) for cached in (False, True, True))
     assert prepared == 2 * ["one.off", "two.off"]
     for result in (first, second):
@@ -72,14 +72,14 @@ def test_results_are_the_same_to_the_last_byte_with_and_without(meshes, prepared
     assert "source sampling" not in second.timings
 
 
-def test_a_symmetry_too(prepared):
+def test_a_symmetry_is_the_same_with_and_without_the_cache(prepared):
     path = examples.paths("person")[0]
     without, first, second = (mm.symmetry(path, **QUICK, cache=cached) for cached in (False, True, True))
     assert len(prepared) == 2
     assert without.to_dict() | {"timings": 0} == second.to_dict() | {"timings": 0} == first.to_dict() | {"timings": 0}
 
 
-def test_the_library_keeps_nothing_unless_asked(meshes, cache_folder):
+def test_the_library_stores_nothing_unless_asked(meshes, cache_folder):
     mm.prepare(meshes[0], samples=10)
     assert not cache_folder.exists()
 
@@ -92,7 +92,7 @@ def test_the_path_is_the_one_given_now(meshes, prepared, tmp_path):
     assert [surface.mesh.name for surface in surfaces] == ["one.off", "other.off", "other.off"]
 
 
-def test_a_name_for_all_that_a_surface_is_made_from(monkeypatch):
+def test_the_file_name_depends_on_all_that_the_surface_depends_on(monkeypatch):
     def name(mesh="a.off", sha256="0" * 64, parameters=SurfaceParameters(), **settings):
         return cache._path(Path(mesh), sha256, mm.PrepareSettings(**settings), parameters).name
 
@@ -105,7 +105,7 @@ def test_a_name_for_all_that_a_surface_is_made_from(monkeypatch):
     assert len(set(names)) == len(names)
 
 
-def test_other_libraries_and_another_text_of_the_program_are_another_program(monkeypatch, tmp_path):
+def test_the_program_is_identified_by_its_libraries_and_its_source(monkeypatch, tmp_path):
     digest = cache._program.__wrapped__
     programs = [cache._program(), digest()]
     assert programs[0] == programs[1]
@@ -121,7 +121,7 @@ def test_other_libraries_and_another_text_of_the_program_are_another_program(mon
 
 
 @pytest.mark.parametrize("what", ["settings", "content", "program", "layout"])
-def test_whatever_changes_the_surface_is_made_anew(meshes, prepared, tmp_path, monkeypatch, what):
+def test_after_any_change_the_surface_is_prepared_again(meshes, prepared, tmp_path, monkeypatch, what):
     path, samples = Path(shutil.copy(meshes[0], tmp_path / "mesh.off")), 10
     mm.prepare(path, samples=samples, cache=True)
     if what == "settings":
@@ -137,7 +137,7 @@ def test_whatever_changes_the_surface_is_made_anew(meshes, prepared, tmp_path, m
         assert len(prepared) == 2
 
 
-def test_a_mesh_that_changes_between_two_looks_is_kept_as_what_was_read(meshes, monkeypatch, tmp_path):
+def test_a_mesh_that_changes_while_it_is_read_is_stored_under_its_own_hash(meshes, monkeypatch, tmp_path):
     path = Path(shutil.copy(meshes[0], tmp_path / "mesh.off"))
     real = preparing.matchable_mesh
 
@@ -157,7 +157,7 @@ def only(folder):
     return path
 
 
-def test_damaged_and_foreign_files_are_noticed_and_replaced(meshes, prepared, cache_folder, caplog):
+def test_damaged_and_foreign_files_are_detected_and_replaced(meshes, prepared, cache_folder, caplog):
     caplog.set_level(logging.INFO, "mobius_match")
     good = arrays(mm.prepare(meshes[0], samples=10, cache=True))
     path = only(cache_folder)
@@ -175,7 +175,7 @@ def test_damaged_and_foreign_files_are_noticed_and_replaced(meshes, prepared, ca
         assert mm.Surface.load(path).settings.samples == 10
 
 
-def test_no_flipped_bit_gets_through(meshes, cache_folder):
+def test_every_flipped_bit_is_detected_or_harmless(meshes, cache_folder):
     surface = mm.prepare(meshes[0], samples=10, cache=True)
     path, good = only(cache_folder), arrays(surface)
     whole = path.read_bytes()
@@ -194,7 +194,7 @@ def test_no_flipped_bit_gets_through(meshes, cache_folder):
     assert noticed > len(places) / 2
 
 
-def test_what_was_not_used_for_longest_goes_first(meshes, prepared, cache_folder, monkeypatch):
+def test_the_least_recently_used_file_is_removed_first(meshes, prepared, cache_folder, monkeypatch):
     paths = {}
     for age, samples in enumerate((10, 11, 12, 13)):
         before = set(cache_folder.glob("*"))
@@ -213,12 +213,12 @@ def test_what_was_not_used_for_longest_goes_first(meshes, prepared, cache_folder
 
 
 @pytest.mark.skipif(os.name != "posix", reason="there are no such permissions")
-def test_nobody_else_can_look_into_the_cache(meshes, cache_folder):
+def test_the_cache_is_private(meshes, cache_folder):
     mm.prepare(meshes[0], samples=10, cache=True)
     assert cache_folder.stat().st_mode & 0o777 == 0o700
 
 
-def test_clearing_leaves_what_is_not_of_the_cache(meshes, cache_folder):
+def test_clearing_removes_files_of_the_cache_only(meshes, cache_folder):
     mm.prepare(meshes[0], samples=10, cache=True)
     path = only(cache_folder)
     path.with_name(f".{path.name}.abc123").write_bytes(b"left by a killed process")
@@ -229,7 +229,7 @@ def test_clearing_leaves_what_is_not_of_the_cache(meshes, cache_folder):
     assert {path.name for path in cache_folder.iterdir()} == others
 
 
-def test_many_at_once_get_in_no_ones_way(meshes, monkeypatch, cache_folder):
+def test_concurrent_use_is_safe(meshes, monkeypatch, cache_folder):
     surfaces = [mm.prepare(meshes[0], samples=samples) for samples in (10, 11)]
     good = [arrays(surface) for surface in surfaces]
     monkeypatch.setattr(cache, "cache_limit", lambda: 300_000)
@@ -264,7 +264,7 @@ def test_a_folder_that_cannot_be_written_is_no_error(meshes, monkeypatch, tmp_pa
     assert list(cache.cached_files(cache.cache_folder())) == []
 
 
-def test_files_that_name_others_are_not_kept(meshes, cache_folder, tmp_path):
+def test_files_that_refer_to_others_are_not_cached(meshes, cache_folder, tmp_path):
     for name in ("mesh.glb", "mesh.gltf"):
         trimesh.load_mesh(meshes[0]).export(tmp_path / name)
         mm.prepare(tmp_path / name, samples=10, cache=True)
@@ -278,7 +278,7 @@ def test_an_unreadable_mesh_is_the_usual_error(tmp_path):
         mm.prepare(tmp_path, cache=True)
 
 
-def test_the_place(monkeypatch, tmp_path):
+def test_the_folder_of_each_system(monkeypatch, tmp_path):
     assert cache.cache_folder() == Path(os.environ["MOBIUS_CACHE_DIR"])
     monkeypatch.delenv("MOBIUS_CACHE_DIR")
     monkeypatch.setattr(Path, "home", lambda: tmp_path)
@@ -308,7 +308,7 @@ def test_without_a_home_there_is_no_cache(meshes, prepared, monkeypatch):
 
 
 @pytest.mark.parametrize("given", ["-1", "2 GB", "1.5"])
-def test_a_wrong_size_is_told_before_any_work(meshes, prepared, monkeypatch, given):
+def test_a_wrong_size_is_refused_before_any_work(meshes, prepared, monkeypatch, given):
     monkeypatch.setenv("MOBIUS_CACHE_MB", given)
     with pytest.raises(SettingsError, match=f"MOBIUS_CACHE_MB is '{given}'"):
         mm.prepare(meshes[0], cache=True)

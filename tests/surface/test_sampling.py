@@ -24,7 +24,7 @@ def test_sphere_has_constant_curvature_that_integrates_to_four_pi():
     assert curvature @ areas / areas.sum() == pytest.approx(4 * np.pi, rel=1e-9)
 
 
-def test_rolled_sheet_has_none_and_its_border_does_not_count():
+def test_a_rolled_sheet_has_no_curvature_at_its_boundary_either():
     vertices, faces = grid(20, 15)
     vertices[:, 2] = np.cos(vertices[:, 0] * 0.3)
     curvature = gauss_curvature(intrinsic_mesh(vertices, faces), PARAMETERS.sampling_smoothing)
@@ -109,7 +109,7 @@ def test_fewer_vertices_than_samples_gives_all_of_them():
     assert sorted(samples.vertices.tolist()) == list(range(12))
 
 
-def test_points_are_kept_in_turn():
+def test_thinning_by_hand():
     ways = np.abs(np.subtract.outer(np.arange(7.0), np.arange(7.0)))
     nothing = np.zeros(7, bool)
     everyone = np.arange(7)

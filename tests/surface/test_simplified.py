@@ -1,4 +1,4 @@
-"""Large meshes: computed on a simplified one, told in the user's own vertices."""
+"""Large meshes: computed on a simplified one, reported in the user's own vertices."""
 
 import numpy as np
 import pytest
@@ -21,13 +21,13 @@ def surface(large):
     return mm.prepare(large, samples=60, resolution=1500)
 
 
-def test_a_small_mesh_is_left_alone():
+def test_a_small_mesh_is_not_simplified():
     mesh = Mesh(*lump(3))
     assert simplified(mesh, 600, 1.5) == (mesh, None)
     assert simplified(mesh, 600, 1.0)[1] is not None
 
 
-def test_where_the_users_vertices_lie(surface):
+def test_the_users_vertices_lie_on_the_simplified_mesh(surface):
     simple, detail = surface.mesh, surface.detail
     places = detail.places(simple)
     whole = surface.whole_mesh
@@ -55,7 +55,7 @@ def test_points_are_lifted_to_the_users_mesh(surface):
     assert apart.max() < 0.02 * size
 
 
-def test_matches_are_told_in_the_users_own_numbers(large, surface):
+def test_matches_have_the_users_own_numbers(large, surface):
     vertices, faces = large
     (moved, moved_faces), new = renumbered((vertices @ rotation().T, faces), seed=4)
     result = mm.match(surface, mm.prepare((moved, moved_faces), samples=60, resolution=1500))
@@ -69,7 +69,7 @@ def test_matches_are_told_in_the_users_own_numbers(large, surface):
     assert np.linalg.norm(moved[result.pairs[:, 1]] - true, axis=1).mean() < 0.015 * size
 
 
-def test_the_dense_map_is_of_all_the_users_vertices(large, surface):
+def test_the_dense_map_covers_all_the_users_vertices(large, surface):
     vertices, faces = large
     (moved, moved_faces), new = renumbered((vertices @ rotation().T, faces), seed=4)
     target = mm.prepare((moved, moved_faces), samples=60, resolution=1500)
@@ -83,8 +83,8 @@ def test_the_dense_map_is_of_all_the_users_vertices(large, surface):
     assert np.nanmean(np.linalg.norm(carried - vertices[1:], axis=1)) < 0.01 * size
 
 
-def test_a_simplified_surface_is_kept_in_a_file(surface, tmp_path):
-    assert len(surface.descriptors) == len(surface.mesh.vertices)  # made on demand, and not kept
+def test_a_simplified_surface_is_saved_and_loaded(surface, tmp_path):
+    assert len(surface.descriptors) == len(surface.mesh.vertices)  # computed on demand, not saved
     surface.save(tmp_path / "surface.npz")
     found = mm.Surface.load(tmp_path / "surface.npz")
     for one, other in ((surface.mesh, found.mesh), (surface.whole_mesh, found.whole_mesh)):
@@ -96,7 +96,7 @@ def test_a_simplified_surface_is_kept_in_a_file(surface, tmp_path):
         np.testing.assert_array_equal(one, other)
 
 
-def test_every_vertex_is_computed_on_if_asked_for(large):
+def test_resolution_0_uses_every_vertex(large):
     surface = mm.prepare(large, samples=20, resolution=0)
     assert surface.detail is None
     assert len(surface.mesh.vertices) == len(surface.eigenfunctions) == 10242

@@ -41,7 +41,7 @@ def test_a_saved_surface_comes_back_as_it_was(surface, tmp_path):
         found.mesh.vertices[0] = 0
 
 
-def test_relief_is_free_of_scale_and_a_sphere_has_little():
+def test_curvature_features_do_not_change_with_scale_and_vanish_on_a_sphere():
     vertices, faces = lump(4)
     found = mm.prepare((vertices, faces))
     assert np.abs(np.median(found.curvature_features[found.proxy], axis=0)).max() < 1e-3
@@ -54,7 +54,7 @@ def test_relief_is_free_of_scale_and_a_sphere_has_little():
     assert np.abs(mm.prepare(icosphere(3)).curvature_features).max() < 0.5
 
 
-def test_a_mesh_without_a_file_too(tmp_path):
+def test_a_mesh_without_a_file_is_saved_without_a_path(tmp_path):
     surface = mm.prepare(lump(2), samples=10)
     surface.save(tmp_path / "surface.npz")
     assert mm.Surface.load(tmp_path / "surface.npz").mesh.path is None
@@ -74,7 +74,7 @@ def test_damaged_files_are_refused(surface, tmp_path):
         mm.Surface.load(tmp_path / "none.npz")
 
 
-def test_a_file_stands_for_the_mesh_it_was_made_from(surface, tmp_path):
+def test_a_prepared_file_stands_for_its_mesh(surface, tmp_path):
     mesh, path = surface.mesh.path, tmp_path / "surface.npz"
     surface.save(path)
     settings = {"samples": 20, "votes": 2000, "threshold": 0}
