@@ -116,9 +116,9 @@ def test_what_cannot_be_shown_is_told(mobius, made, opened, tmp_path):
     content["alternatives"] = [{"margin": 1}]
     damaged.write_text(json.dumps(content))
     for code, words, arguments in (
-        (2, "name it so", (made["json"], "-o", tmp_path / "page.txt")),
+        (2, "change its ending", (made["json"], "-o", tmp_path / "page.txt")),
         (2, "does not exist", (made["json"], "-o", tmp_path / "nowhere" / "page.html")),
-        (2, "name it so", (made["json"], "--png", tmp_path / "page.jpg")),
+        (2, "change its ending", (made["json"], "--png", tmp_path / "page.jpg")),
         (2, "'30' is not two numbers, as in 1600x800", (made["json"], "--png", png, "--size", "30")),
         (2, "'up' is not two numbers, as in 30,15", (made["json"], "--png", png, "--view", "up")),
         (2, "two numbers in degrees", (made["json"], "--png", png, "--view", "nan,0")),
@@ -140,4 +140,4 @@ def test_what_cannot_be_shown_is_told(mobius, made, opened, tmp_path):
 def test_match_refuses_another_ending_at_once(mobius, pair, tmp_path):
     ended = mobius("match", *pair[:2], "--html", tmp_path / "page.pdf")
     assert ended.code == 2
-    assert "name it so" in ended.err
+    assert "change its ending" in ended.err
