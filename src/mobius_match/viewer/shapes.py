@@ -97,8 +97,8 @@ def content(result: Correspondence, sides: list[Side], radius: float) -> dict[st
     alignments = [_alignment(result, "Best", "", sides)]
     for k, alternative in enumerate(result.alternatives, start=1):
         note = (
-            f"Scores {alternative.margin:.2f} worse than the best alignment (below 0.3 is close); supported by "
-            f"{alternative.share:.0%} of the best triplets."
+            f"Its cost is {alternative.margin:.2f} higher than that of the best alignment (below 0.3 is close); "
+            f"{alternative.share:.0%} of the best triplets support it."
         )
         alignments.append(_alignment(alternative, f"Alternative {k}", note, sides))
     infos = (result.source_info, result.target_info)

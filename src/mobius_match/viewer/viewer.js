@@ -1,4 +1,4 @@
-/* mobius-match viewer; sources 2b0575bc4a338880d04fa2630f616a3810f432d0c587ce45e806bbfd4d53e1d0; built 9f3a97098f68135dea28e821a45ab628fc402bda35f3d9ab6bacfbdc5d9e995b */
+/* mobius-match viewer; sources 49b3a4e55472ae243359b0e28b8c0ff19b2b29506be2cc991c6c6e93b4556639; built ca18a98e06fa1a09aa84de6e68c5c3acbbc4a91705eee4eb3592203230c0ff66 */
 /* Contains three.js.
 
 The MIT License
@@ -110,7 +110,7 @@ THE SOFTWARE.
       <label><input id="all-lines" type="checkbox"> Show lines for all matches</label>
     </section>
     <section id="legend">
-      <p><i class="sphere"></i> voted <i class="diamond"></i> recovered (inferred from the others) <span id="given"
+      <p><i class="sphere"></i> voted <i class="diamond"></i> recovered (inferred) <span id="given"
         hidden><i class="cube"></i> given by you</span></p>
       <p>A match has the same colour on both shapes. Larger means more confident.</p>
     </section>
@@ -226,7 +226,7 @@ tr[aria-current] td { background: color-mix(in srgb, var(--mark) 20%, transparen
   #stage { flex: none; height: 62vh; height: 62svh; }
   #insight > div { display: block; }
   #views { gap: 3px; padding: 0 4px; }
-  #views button { flex: 1; padding: 0; font-size: 12px; }
+  #views button { flex: auto; padding: 0 2px; font-size: 12px; }
   aside { width: auto; border-left: 0; border-top: 1px solid var(--edge); }
   button, select, #minimum, #morph, #find, #views button { min-height: 40px; }
 }
