@@ -19,7 +19,7 @@ from mobius_match.evaluation import examples
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 from tests.viewer.chromium import Chromium
-from tests.viewer.pages import choose, move, take
+from tests.viewer.pages import choose, move, select
 
 WIDTH, HEIGHT = 1200, 720
 
@@ -41,15 +41,15 @@ def main():
 
         try:
             browser.open(path, WIDTH, HEIGHT)
-            take(browser, 2)
+            select(browser, 2)
             save("viewer.png")
             browser.open(path, WIDTH, HEIGHT, dark=True)
-            choose(browser, "colouring", 2)
+            choose(browser, "surface", 2)
             move(browser, "morph", 0.5)
             save("viewer-map.png")
             browser.open(path, WIDTH, HEIGHT)
-            take(browser, 2)
-            browser.run("how.click()")
+            select(browser, 2)
+            browser.run("votes.click()")
             save("viewer-votes.png")
         finally:
             browser.close()

@@ -1,4 +1,4 @@
-// What the page holds, as typed arrays; see src/mobius_match/viewer.
+// The data in the page, as typed arrays; written by src/mobius_match/viewer.
 
 function bytes(text) {
   const binary = atob(text);
@@ -10,7 +10,7 @@ function bytes(text) {
 const floats = (text) => new Float32Array(bytes(text).buffer);
 const shorts = (text) => new Uint16Array(bytes(text).buffer);
 
-function places({ low, step, codes }) {
+function positions({ low, step, codes }) {
   return Float32Array.from(shorts(codes), (code, i) => low[i % low.length] + code * step[i % low.length]);
 }
 
@@ -19,7 +19,7 @@ function parts(values, number) {
   return Array.from({ length: number }, (_, k) => values.subarray(k * size, (k + 1) * size));
 }
 
-// Places on the source, as x, y, z and 1; or 0 for a vertex without counterpart.
+// Positions on the source as x, y, z and 1; all 0 for a vertex without counterpart.
 function origins(packed) {
   const codes = shorts(packed);
   const out = new Float32Array((codes.length / 3) * 4);
@@ -31,9 +31,9 @@ function origins(packed) {
   return out;
 }
 
-export const GREY = [115, 115, 120]; // has no value
+export const GREY = [115, 115, 120]; // for no value
 
-// The colour at a place from 0 to 1 of a scale, as three numbers from 0 to 255.
+// The colour of a value from 0 to 1 on a scale, as three numbers from 0 to 255.
 export function along(stops, value) {
   const at = Math.min(Math.max(value, 0), 1) * (stops.length - 1);
   const k = Math.min(Math.floor(at), stops.length - 2);
@@ -48,29 +48,29 @@ function shaded(stops, codes) {
   return out;
 }
 
-function colouring(one, all) {
-  if (one.texture) return one;
-  const source = one.like === undefined ? one : all[one.like];
+function colouring(packed, all) {
+  if (packed.texture) return packed;
+  const source = packed.like === undefined ? packed : all[packed.like];
   const colours = source.values
     ? source.values.map((codes) => shaded(source.scale.colours, bytes(codes))) : source.colours.map(bytes);
-  return { ...one, colours };
+  return { ...packed, colours };
 }
 
-function explanation(one, rows, page) {
-  const colours = bytes(one.colours);
-  const errors = one.errors ?? null;
-  const wrong = errors && new Uint8Array(errors.flatMap(
+function alignment(packed, rows, page) {
+  const colours = bytes(packed.colours);
+  const errors = packed.errors ?? null;
+  const errorColours = errors && new Uint8Array(errors.flatMap(
     (error) => (error === null ? GREY : along(page.errors.scale.colours, error / page.errors.worst))));
   return {
-    ...one,
+    ...packed,
     colours,
-    wrong,
+    errorColours,
     matches: rows.map((row, i) => ({
-      ...row, number: i, shown: row.given ? "given" : row.kind, certain: Math.min(Math.max(row.confidence, 0), 1),
+      ...row, number: i, label: row.given ? "given" : row.kind, certainty: Math.min(Math.max(row.confidence, 0), 1),
       error: errors ? errors[i] : undefined,
     })),
-    points: one.points.map(floats),
-    moved: page.morph && parts(floats(one.moved), page.morph.frames - 1),
+    points: packed.points.map(floats),
+    moved: page.morph && parts(floats(packed.moved), page.morph.frames - 1),
   };
 }
 
@@ -78,7 +78,7 @@ export function read(document) {
   const text = document.getElementById("result").textContent;
   const result = JSON.parse(text);
   const page = JSON.parse(document.getElementById("shapes").textContent);
-  const rows = [result.correspondences, ...(result.alternatives ?? []).map((one) => one.correspondences)];
+  const rows = [result.correspondences, ...(result.alternatives ?? []).map((alternative) => alternative.correspondences)];
   return {
     ...page,
     text,
@@ -87,15 +87,15 @@ export function read(document) {
       const buffer = bytes(side.triangles).buffer;
       return {
         ...side,
-        positions: places(side.positions),
+        positions: positions(side.positions),
         triangles: side.wide ? new Uint32Array(buffer) : new Uint16Array(buffer),
         origins: side.origins && origins(side.origins),
-        uv: side.uv && { places: places(side.uv), known: bytes(side.uv.known) },
+        uv: side.uv && { coordinates: positions(side.uv), known: bytes(side.uv.known) },
       };
     }),
-    explanations: page.explanations.map((one, k) => explanation(one, rows[k], page)),
-    colourings: page.colourings.map((one) => colouring(one, page.colourings)),
-    morph: page.morph && parts(places(page.morph), page.morph.frames - 1),
+    alignments: page.alignments.map((packed, k) => alignment(packed, rows[k], page)),
+    colourings: page.colourings.map((packed) => colouring(packed, page.colourings)),
+    morph: page.morph && parts(positions(page.morph), page.morph.frames - 1),
     insight: page.insight && {
       ...page.insight, planes: page.insight.planes.map(floats), matrix: shorts(page.insight.matrix),
     },

@@ -1,34 +1,36 @@
-// How the matches were found: both flattened sets of samples, and the fuzzy correspondence matrix.
+// The votes: both flattened sets of samples, and the fuzzy correspondence matrix.
 import { along, css } from "./data.js";
 
 const STOPS = ["#fbf3d5", "#f2c166", "#d97f3c", "#933d4e", "#2e144f"];
 
-// The colours of the matrix, from no votes, which are as the ground is.
+// The colours of the matrix, starting with that of no votes, which is close to the background.
 export function stops() {
   return document.documentElement.dataset.theme === "dark" ? [...STOPS].reverse() : STOPS;
 }
 
 export class Insight {
-  // `canvases` are those of the source's plane, of the target's, and of the matrix; `told` takes what is pointed at.
-  constructor(canvases, data, told, picked) {
-    Object.assign(this, { canvases, data, told, picked });
-    this.back = data.paired.reduce((back, j, i) => (j < 0 ? back : back.set(j, i)), new Map());
+  // `canvases`: the plane of the source, that of the target, and the matrix. `onHover` is called with a text on the pair
+  // under the pointer, `onClick` with its source vertex.
+  constructor(canvases, data, onHover, onClick) {
+    Object.assign(this, { canvases, data });
+    // The source sample of each paired target sample.
+    this.sourceOf = new Map(data.paired.flatMap((j, i) => (j < 0 ? [] : [[j, i]])));
     canvases.forEach((canvas, k) => {
-      canvas.addEventListener("pointermove", (event) => told(this.#text(this.#under(k, event))));
-      canvas.addEventListener("pointerleave", () => told(""));
+      canvas.addEventListener("pointermove", (event) => onHover(this.#text(this.#under(k, event))));
+      canvas.addEventListener("pointerleave", () => onHover(""));
       canvas.addEventListener("click", (event) => {
         const [i, j] = this.#under(k, event);
-        const source = i ?? this.back.get(j);
-        if (source !== undefined) picked(data.samples[0][source]);
+        const source = i ?? this.sourceOf.get(j);
+        if (source !== undefined) onClick(data.samples[0][source]);
       });
       new ResizeObserver(() => this.draw()).observe(canvas);
     });
   }
 
-  // The matches in their colours; `chosen` is one of them or null.
-  show(matches, chosen, colours) {
+  // Show the matches in their colours; `selected` is one of them or null.
+  show(matches, selected, colours) {
     this.colours = new Map(matches.map((match) => [match.source, css(colours, match.number)]));
-    this.chosen = chosen ? this.data.samples[0].indexOf(chosen.source) : -1;
+    this.selected = selected ? this.data.samples[0].indexOf(selected.source) : -1;
     this.draw();
   }
 
@@ -37,7 +39,7 @@ export class Insight {
     const style = getComputedStyle(document.documentElement);
     const [ink, soft, edge] = ["--ink", "--soft", "--edge"].map((name) => style.getPropertyValue(name));
     this.#plane(0, this.data.paired.map((j, i) => (j < 0 ? -1 : i)), ink, soft, edge);
-    this.#plane(1, this.data.samples[1].map((_, j) => this.back.get(j) ?? -1), ink, soft, edge);
+    this.#plane(1, this.data.samples[1].map((_, j) => this.sourceOf.get(j) ?? -1), ink, soft, edge);
     this.#matrix(ink);
   }
 
@@ -51,14 +53,14 @@ export class Insight {
     return context;
   }
 
-  // Where a sample is on its canvas, in CSS pixels.
+  // The position of a sample on its canvas, in CSS pixels.
   #at(s, i) {
     const half = this.canvases[s].clientWidth / 2;
     const [x, y] = this.data.planes[s].subarray(2 * i, 2 * i + 2);
     return [half + (half - 8) * x, half - (half - 8) * y];
   }
 
-  // `paired`: the sample of the source that each dot belongs to, or -1.
+  // `paired`: the source sample that each dot belongs to, or -1.
   #plane(s, paired, ink, soft, edge) {
     const context = this.#context(s);
     const half = this.canvases[s].clientWidth / 2;
@@ -87,9 +89,9 @@ export class Insight {
       dot(i, 6.5);
       context.stroke();
     }
-    const chosen = paired.indexOf(this.chosen);
-    if (this.chosen < 0 || chosen < 0) return;
-    dot(chosen, 10);
+    const selected = paired.indexOf(this.selected);
+    if (this.selected < 0 || selected < 0) return;
+    dot(selected, 10);
     context.stroke();
   }
 
@@ -107,13 +109,13 @@ export class Insight {
     small.getContext("2d").putImageData(image, 0, 0);
     context.imageSmoothingEnabled = false;
     context.drawImage(small, 0, 0, w, h);
-    const row = rows.indexOf(this.chosen);
-    if (this.chosen < 0 || row < 0) return;
+    const row = rows.indexOf(this.selected);
+    if (this.selected < 0 || row < 0) return;
     context.strokeStyle = ink;
     context.strokeRect(0.5, (row * h) / rows.length, w - 1, h / rows.length);
   }
 
-  // The samples that an event is over: [of the source, of the target], either undefined.
+  // The samples under the pointer, [source, target]; each may be undefined.
   #under(k, event) {
     const box = this.canvases[k].getBoundingClientRect();
     const x = event.clientX - box.left, y = event.clientY - box.top;
@@ -121,14 +123,14 @@ export class Insight {
       const { rows, columns } = this.data;
       return [rows[Math.floor((y / box.height) * rows.length)], columns[Math.floor((x / box.width) * columns.length)]];
     }
-    let nearest, least = event.pointerType === "touch" ? 22 : 12;
+    let nearest, smallest = event.pointerType === "touch" ? 22 : 12;
     this.data.samples[k].forEach((_, i) => {
       const [left, top] = this.#at(k, i);
-      const apart = Math.hypot(left - x, top - y);
-      if (apart < least) [nearest, least] = [i, apart];
+      const distance = Math.hypot(left - x, top - y);
+      if (distance < smallest) [nearest, smallest] = [i, distance];
     });
     if (nearest === undefined) return [];
-    if (k === 1) return [this.back.get(nearest), nearest];
+    if (k === 1) return [this.sourceOf.get(nearest), nearest];
     const paired = this.data.paired[nearest];
     return [nearest, paired < 0 ? undefined : paired];
   }
@@ -137,8 +139,8 @@ export class Insight {
     const { samples, matrix, columns } = this.data;
     const named = [i === undefined ? null : `source vertex ${samples[0][i]}`,
       j === undefined ? null : `target vertex ${samples[1][j]}`].filter(Boolean);
-    if (named.length < 2) return named.length ? `${named[0]}: not mutually nearest to any` : "";
+    if (named.length < 2) return named.length ? `${named[0]}: no mutually nearest sample` : "";
     const share = matrix[i * columns.length + j] / 65535;
-    return `${named.join(", ")}: ${(100 * share).toFixed(1)} % of the most votes`;
+    return `${named.join(", ")}: ${(100 * share).toFixed(1)} % of the maximum`;
   }
 }

@@ -1,4 +1,4 @@
-// The page: builds it, and ties its controls to the view. Names and numbers of files go in as text only.
+// Builds the page and connects its controls with the view. Names and notes of files are inserted as text only.
 import page from "./page.html";
 import style from "./style.css";
 import { css, csv, read } from "./data.js";
@@ -13,17 +13,18 @@ const $ = (id) => document.getElementById(id);
 const all = (selector) => [...document.querySelectorAll(selector)];
 
 const names = data.sides.map((side) => side.name);
-const state = { explanation: data.explanations[0], least: 0, chosen: null, hovered: null, byError: false };
+const state = { alignment: data.alignments[0], minimum: 0, selected: null, hovered: null, byError: false };
 const dark = matchMedia("(prefers-color-scheme: dark)");
-const percent = (part) => `${(100 * part).toFixed(1)} %`;
+const percent = (fraction) => `${(100 * fraction).toFixed(1)} %`;
 let view = null, insight = null;
 
+// The matches that are confident enough.
 function shown() {
-  return state.explanation.matches.filter((match) => match.certain >= state.least);
+  return state.alignment.matches.filter((match) => match.certainty >= state.minimum);
 }
 
 function colours() {
-  return state.byError ? state.explanation.wrong : state.explanation.colours;
+  return state.byError ? state.alignment.errorColours : state.alignment.colours;
 }
 
 function theme(name) {
@@ -31,49 +32,49 @@ function theme(name) {
   $("theme").textContent = name === "dark" ? "Light" : "Dark";
   view?.theme();
   if (insight) {
-    scale("votes-scale", { colours: stops(), labels: ["0", "25 %", "most votes"] }); // by the root of their share
+    scale("votes-scale", { colours: stops(), labels: ["0", "25 %", "maximum"] }); // by the square root of the votes
     insight.draw();
   }
 }
 
 function update() {
   const matches = shown();
-  if (state.chosen && !matches.includes(state.chosen)) state.chosen = null;
-  const current = state.chosen ?? state.hovered;
-  $("least-value").textContent = state.least.toFixed(2);
-  $("count").textContent = `${matches.length} of ${state.explanation.matches.length} matches`;
+  if (state.selected && !matches.includes(state.selected)) state.selected = null;
+  const current = state.selected ?? state.hovered;
+  $("minimum-value").textContent = state.minimum.toFixed(2);
+  $("count").textContent = `${matches.length} of ${state.alignment.matches.length} matches`;
   $("status").textContent = current
-    ? `Match ${current.number + 1}` : matches.length ? "No match chosen"
-      : state.explanation.matches.length ? "No match is so certain" : "There are no matches";
+    ? `Match ${current.number + 1}` : matches.length ? "No match selected"
+      : state.alignment.matches.length ? "No match is this confident" : "There are no matches";
   const facts = current ? [
     [names[0], `vertex ${current.source}`], [names[1], `vertex ${current.target}`],
-    ["confidence", current.confidence.toFixed(3)], ["kind", current.shown],
-    ...(current.error === undefined ? [] : [["error", wrongness(current.error)]]),
+    ["confidence", current.confidence.toFixed(3)], ["kind", current.label],
+    ...(current.error === undefined ? [] : [["error", errorText(current.error)]]),
   ] : [];
   $("hint").hidden = current !== null;
   $("facts").replaceChildren(...facts.flatMap(([name, value]) => [element("dt", name), element("dd", value)]));
-  $("turn").disabled = !view || !state.chosen;
-  const sought = matches.filter(fits);
-  $("unfound").textContent = sought.length || !$("find").value ? "" : "None of the matches has this number.";
+  $("turn").disabled = !view || !state.selected;
+  const found = matches.filter(isFound);
+  $("unfound").textContent = found.length || !$("find").value ? "" : "No match or vertex has this number.";
   all("tbody tr").forEach((row, i) => {
-    row.hidden = !sought.includes(state.explanation.matches[i]);
-    if (state.explanation.matches[i] === state.chosen) row.setAttribute("aria-current", "true");
+    row.hidden = !found.includes(state.alignment.matches[i]);
+    if (state.alignment.matches[i] === state.selected) row.setAttribute("aria-current", "true");
     else row.removeAttribute("aria-current");
     row.querySelector("i").style.background = css(colours(), i);
   });
-  const drawn = $("spheres").checked ? matches : matches.filter((match) => match === current);
-  view?.show(state.explanation, drawn, current, colours());
-  insight?.show(matches, current, state.explanation.colours);
+  const drawn = $("matches").checked ? matches : matches.filter((match) => match === current);
+  view?.show(state.alignment, drawn, current, colours());
+  insight?.show(matches, current, state.alignment.colours);
 }
 
-// Whether the number of a match or of one of its vertices begins as what is looked for.
-function fits(match) {
-  const sought = $("find").value.trim();
-  return [match.number + 1, match.source, match.target].some((number) => String(number).startsWith(sought));
+// Whether the number of a match or of one of its vertices starts with the text in the search field.
+function isFound(match) {
+  const start = $("find").value.trim();
+  return [match.number + 1, match.source, match.target].some((number) => String(number).startsWith(start));
 }
 
-function wrongness(error) {
-  return error === null ? "not known" : `${percent(error)} of the diameter`;
+function errorText(error) {
+  return error === null ? "unknown" : `${percent(error)} of the diameter`;
 }
 
 function scale(id, shown) {
@@ -89,8 +90,8 @@ function element(name, text) {
   return made;
 }
 
-function choose(match) {
-  state.chosen = match;
+function select(match) {
+  state.selected = match;
   state.hovered = null;
   update();
 }
@@ -98,30 +99,30 @@ function choose(match) {
 function step(by) {
   const matches = shown();
   if (!matches.length) return;
-  const at = matches.indexOf(state.chosen);
-  choose(matches[at < 0 ? (by > 0 ? 0 : matches.length - 1) : (at + by + matches.length) % matches.length]);
+  const at = matches.indexOf(state.selected);
+  select(matches[at < 0 ? (by > 0 ? 0 : matches.length - 1) : (at + by + matches.length) % matches.length]);
 }
 
-function explain(k) {
-  state.explanation = data.explanations[k];
-  state.chosen = state.hovered = null;
+function showAlignment(k) {
+  state.alignment = data.alignments[k];
+  state.selected = state.hovered = null;
   $("find").value = "";
-  $("given").hidden = !state.explanation.matches.some((match) => match.given);
-  $("explained").textContent = state.explanation.note;
-  const errors = (state.explanation.errors ?? []).filter((error) => error !== null);
+  $("given").hidden = !state.alignment.matches.some((match) => match.given);
+  $("alignment-note").textContent = state.alignment.note;
+  const errors = (state.alignment.errors ?? []).filter((error) => error !== null);
   const mean = errors.reduce((sum, error) => sum + error, 0) / errors.length;
   const near = errors.filter((error) => error <= 0.05).length / errors.length;
-  $("wrong").textContent = errors.length ? `Mean error ${percent(mean)} of the target's diameter; ${percent(near)} of ` +
+  $("spheres-note").textContent = errors.length ? `Mean error ${percent(mean)} of the target's diameter; ${percent(near)} of ` +
     "the matches within 5 %." : "No error is known.";
-  document.querySelector("tbody").replaceChildren(...state.explanation.matches.map((match) => {
+  document.querySelector("tbody").replaceChildren(...state.alignment.matches.map((match) => {
     const row = document.createElement("tr");
     const button = document.createElement("button");
     const spot = document.createElement("i");
     button.type = "button";
     button.append(spot, String(match.number + 1));
-    button.addEventListener("click", () => choose(match));
+    button.addEventListener("click", () => select(match));
     const error = match.error === undefined ? [] : [match.error === null ? "" : (100 * match.error).toFixed(1)];
-    row.append(...["", match.source, match.target, match.confidence.toFixed(3), ...error, match.shown].map(
+    row.append(...["", match.source, match.target, match.confidence.toFixed(3), ...error, match.label].map(
       (value) => element("td", value)));
     row.firstChild.append(button);
     return row;
@@ -129,11 +130,11 @@ function explain(k) {
   update();
 }
 
-function paint(k) {
+function colourSurfaces(k) {
   const colouring = data.colourings[k - 1] ?? null;
-  $("coloured").textContent = colouring?.note ?? "";
-  scale("scale", colouring?.scale);
-  $("spheres").checked = colouring === null; // they would hide the colours
+  $("surface-note").textContent = colouring?.note ?? "";
+  scale("surface-scale", colouring?.scale);
+  $("matches").checked = colouring === null; // spheres would hide the colours
   view?.paint(colouring);
   update();
 }
@@ -146,16 +147,18 @@ function download(name, blob) {
   setTimeout(() => URL.revokeObjectURL(link.href), 60000);
 }
 
-function select(id, rows, changed) {
+// Fill a list of choices and show all that belongs to it, if there is more than one.
+function fillList(id, rows, changed) {
   if (rows.length < 2) return;
   all(`.${id}`).forEach((part) => (part.hidden = false));
   $(id).append(...rows.map((row, k) => new Option(row, k)));
   $(id).addEventListener("change", () => changed(Number($(id).value)));
 }
 
-function follow() {
+// Place the labels on the drawn shapes.
+function placeLabels() {
   all(".end").forEach((label, s) => {
-    const current = view.chosen;
+    const current = view.selected;
     label.hidden = !current;
     if (!current) return;
     label.textContent = s ? current.target : current.source;
@@ -171,60 +174,61 @@ function follow() {
   });
 }
 
-function pointing() {
+function listenToPointer() {
   let down = null;
-  const place = (event) => {
+  const position = (event) => {
     const box = $("view").getBoundingClientRect();
     return [event.clientX - box.left, event.clientY - box.top, event.pointerType === "touch" ? 22 : 8];
   };
   $("view").addEventListener("pointerdown", (event) => (down = [event.clientX, event.clientY]));
   $("view").addEventListener("pointerup", (event) => {
-    if (down && Math.hypot(event.clientX - down[0], event.clientY - down[1]) < 5) choose(view.pick(...place(event)));
+    if (down && Math.hypot(event.clientX - down[0], event.clientY - down[1]) < 5) select(view.pick(...position(event)));
     down = null;
   });
   $("view").addEventListener("pointermove", (event) => {
     if (event.buttons || event.pointerType === "touch") return;
-    const match = view.pick(...place(event));
+    const match = view.pick(...position(event));
     $("view").classList.toggle("over", match !== null);
     if (match !== state.hovered) {
       state.hovered = match;
-      if (!state.chosen) update();
+      if (!state.selected) update();
     }
   });
   $("view").addEventListener("pointerleave", () => {
     state.hovered = null;
-    if (!state.chosen) update();
+    if (!state.selected) update();
   });
 }
 
-// Each name by itself: one that is written from the right must not turn what follows.
+// Each name in a <bdi>: one that is written from right to left must not reorder what follows.
 document.querySelector("h1").append(element("bdi", names[0]), " \u2194 ", element("bdi", names[1]));
 all(".name").forEach((name, s) => {
   const { vertices, simplified } = data.sides[s];
-  const size = `, ${vertices.toLocaleString("en")} vertices${simplified ? ", drawn with fewer" : ""}`;
+  const size = `, ${vertices.toLocaleString("en")} vertices${simplified ? ", drawn simplified" : ""}`;
   name.append(s ? "Target: " : "Source: ", element("bdi", names[s]), element("span", size));
 });
 try {
   view = new View($("view"), $("lines"), data);
-  view.onDraw = follow;
-  pointing();
+  view.onDraw = placeLabels;
+  listenToPointer();
 } catch (error) {
   $("failure").hidden = false;
-  $("failure").textContent = "This browser cannot draw the shapes (WebGL 2 is needed). The table lists the matches.";
+  $("failure").textContent = "This browser cannot draw the shapes (it has no WebGL 2). The table lists the matches.";
   console.warn(error);
 }
-$("least").min = Math.floor(100 * Math.min(1, ...data.explanations.flatMap((one) => one.matches.map((m) => m.certain)))) / 100;
-$("least").value = $("least").min;
-state.least = Number($("least").value);
-$("least").addEventListener("input", () => {
-  state.least = Number($("least").value);
+const certainties = data.alignments.flatMap(({ matches }) => matches.map((match) => match.certainty));
+$("minimum").min = Math.floor(100 * Math.min(1, ...certainties)) / 100;
+$("minimum").value = $("minimum").min;
+state.minimum = Number($("minimum").value);
+$("minimum").addEventListener("input", () => {
+  state.minimum = Number($("minimum").value);
   update();
 });
-select("explanation", data.explanations.map((one) => one.name), explain);
-select("colouring", ["Plain", ...data.colourings.map((one) => one.name)], paint);
-select("marked", data.errors ? ["by place", "by error"] : [], (k) => {
+fillList("alignment", data.alignments.map(({ name }) => name), showAlignment);
+fillList("surface", ["Plain", ...data.colourings.map(({ name }) => name)], colourSurfaces);
+fillList("spheres", data.errors ? ["by position", "by error"] : [], (k) => {
   state.byError = k === 1;
-  scale("marked-scale", state.byError && data.errors.scale);
+  scale("spheres-scale", state.byError && data.errors.scale);
   update();
 });
 if (data.morph && view) {
@@ -236,19 +240,19 @@ if (data.morph && view) {
   });
 }
 if (data.insight) {
-  const told = (text) => ($("told").textContent = text || "Point at a dot or at a cell of the matrix to see its pair.");
-  const pick = (vertex) => choose(shown().find((match) => match.source === vertex) ?? null);
-  insight = new Insight(all("#insight canvas"), data.insight, told, pick);
-  told("");
+  const describe = (text) => ($("pair").textContent = text || "Point at a dot or a cell of the matrix to see its pair.");
+  const pick = (vertex) => select(shown().find((match) => match.source === vertex) ?? null);
+  insight = new Insight(all("#insight canvas"), data.insight, describe, pick);
+  describe("");
   $("triplets").textContent = data.insight.triplets.toLocaleString("en");
-  $("how").hidden = false;
-  $("how").addEventListener("click", () => {
+  $("votes").hidden = false;
+  $("votes").addEventListener("click", () => {
     $("insight").hidden = !$("insight").hidden;
-    $("how").setAttribute("aria-pressed", String(!$("insight").hidden));
+    $("votes").setAttribute("aria-pressed", String(!$("insight").hidden));
     insight.draw();
   });
 }
-$("spheres").addEventListener("change", update);
+$("matches").addEventListener("change", update);
 $("all-lines").addEventListener("change", () => {
   if (view) view.allLines = $("all-lines").checked;
   update();
@@ -256,30 +260,30 @@ $("all-lines").addEventListener("change", () => {
 $("previous").addEventListener("click", () => step(-1));
 $("next").addEventListener("click", () => step(1));
 $("reset").addEventListener("click", () => view?.reset());
-$("turn").addEventListener("click", () => view.face(state.chosen));
-all("[data-from]").forEach((button) => button.addEventListener("click", () =>
-  view?.reset(...button.dataset.from.split(",").map((degrees) => (Number(degrees) * Math.PI) / 180))));
+$("turn").addEventListener("click", () => view.face(state.selected));
+all("[data-direction]").forEach((button) => button.addEventListener("click", () =>
+  view?.reset(...button.dataset.direction.split(",").map((degrees) => (Number(degrees) * Math.PI) / 180))));
 $("find").addEventListener("input", update);
 $("find").addEventListener("keydown", (event) => {
-  const sought = shown().filter(fits);
+  const found = shown().filter(isFound);
   const number = $("find").value.trim();
-  if (event.key === "Enter" && number && sought.length) {
-    choose(sought.find((match) => [match.source, match.target].map(String).includes(number)) ?? sought[0]);
+  if (event.key === "Enter" && number && found.length) {
+    select(found.find((match) => [match.source, match.target].map(String).includes(number)) ?? found[0]);
   }
 });
 $("theme").addEventListener("click", () => theme(document.documentElement.dataset.theme === "dark" ? "light" : "dark"));
 $("picture").addEventListener("click", () => {
   if (!view) return;
-  const painted = view.colouring?.scale && { name: view.colouring.name, ...view.colouring.scale };
-  const scale = painted ?? (state.byError ? { name: "Error", ...data.errors.scale } : null);
+  const ofSurface = view.colouring?.scale && { name: view.colouring.name, ...view.colouring.scale };
+  const scale = ofSurface ?? (state.byError ? { name: "Error", ...data.errors.scale } : null);
   picture(view, names, scale, (blob) => download("matches.png", blob));
 });
 $("json").addEventListener("click", () => download("matches.json", new Blob([data.text], { type: "application/json" })));
 $("csv").addEventListener("click", () =>
-  download("matches.csv", new Blob([csv(state.explanation.matches)], { type: "text/csv" })));
+  download("matches.csv", new Blob([csv(state.alignment.matches)], { type: "text/csv" })));
 document.addEventListener("keydown", (event) => {
   if (event.ctrlKey || event.altKey || event.metaKey) return;
-  if (event.key === "Escape") choose(null);
+  if (event.key === "Escape") select(null);
   if (event.target instanceof Element && event.target.matches("select, input[type=range], input[type=search]")) return;
   if (event.key === "ArrowRight" || event.key === "ArrowLeft") {
     event.preventDefault();
@@ -291,5 +295,5 @@ if (innerWidth <= 760) $("list").open = false;
 $("notes").hidden = !data.result.warnings.length;
 $("notes").querySelector("ul").append(...data.result.warnings.map((line) => element("li", line)));
 theme(dark.matches ? "dark" : "light");
-explain(0);
-paint(0);
+showAlignment(0);
+colourSurfaces(0);

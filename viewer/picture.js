@@ -1,11 +1,11 @@
-// What is seen, as a PNG file: both shapes with names, lines, rulers, the numbers of the chosen match, and the scale.
+// The current view as a PNG file: both shapes with names, lines, rulers, the numbers of the selected match, and the scale.
 import { STRIP } from "./scene.js";
 
-const FINENESS = 2; // pixels of the picture along one of the screen, at least
+const MIN_RATIO = 2; // pixels of the picture per CSS pixel
 
 // `scale` has a name, colours and labels, or is null.
 export function picture(view, names, scale, then) {
-  const ratio = Math.max(FINENESS, Math.min(window.devicePixelRatio, 3));
+  const ratio = Math.max(MIN_RATIO, Math.min(window.devicePixelRatio, 3));
   view.resize(ratio);
   view.draw();
   const { width, height } = view.canvas;
@@ -21,8 +21,8 @@ export function picture(view, names, scale, then) {
   context.fillStyle = soft;
   context.font = "14px system-ui, sans-serif";
   view.boxes().forEach(([x, y, w], s) => context.fillText(names[s], x + 12, y - STRIP + 22, w - 24));
-  if (view.chosen) [view.chosen.source, view.chosen.target].forEach((vertex, s) => {
-    const { x, y } = view.project(s, view.chosen);
+  if (view.selected) [view.selected.source, view.selected.target].forEach((vertex, s) => {
+    const { x, y } = view.project(s, view.selected);
     label(context, String(vertex), x + 14, y - 26, ink, paper);
   });
   if (scale) legend(context, scale, width / ratio - 12, height / ratio - 34, soft);
@@ -38,7 +38,7 @@ function label(context, text, x, y, ink, paper) {
   context.fillText(text, x + 6, y + 13);
 }
 
-// Its right end and its top are given.
+// Draw the scale with its right end and its top at a position.
 function legend(context, { name, colours, labels }, right, top, soft) {
   const width = 200;
   const colour = context.createLinearGradient(right - width, 0, right, 0);

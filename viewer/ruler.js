@@ -1,19 +1,19 @@
-// How large the shapes are: below each, in its box, a round length in the units of its file, which has so many CSS pixels
-// a unit. The same length for both, unless the units are others.
+// A ruler below each shape: a round length in the units of its file, of which `pixels` has the CSS pixels per unit. It is
+// the same length for both, unless their units differ.
 export function rulers(context, boxes, pixels) {
   const room = Math.min(120, boxes[0][2] / 3);
-  const most = pixels.map((one) => room / one);
-  const alike = Math.max(...most) < 5 * Math.min(...most);
+  const longest = pixels.map((perUnit) => room / perUnit);
+  const sameUnits = Math.max(...longest) < 5 * Math.min(...longest);
   boxes.forEach(([x, y, , h], s) => {
-    const length = round(alike ? Math.min(...most) : most[s]);
+    const length = roundDown(sameUnits ? Math.min(...longest) : longest[s]);
     if (length > 0 && length < Infinity) ruler(context, x + 12, y + h - 10, length, length * pixels[s]);
   });
 }
 
-// The greatest of 1, 2 and 5 times powers of ten up to a number.
-function round(most) {
-  const power = 10 ** Math.floor(Math.log10(most));
-  return ([5, 2].find((k) => k * power <= most) ?? 1) * power;
+// The largest number 1, 2 or 5 times a power of ten that is not above a limit.
+function roundDown(limit) {
+  const power = 10 ** Math.floor(Math.log10(limit));
+  return ([5, 2].find((k) => k * power <= limit) ?? 1) * power;
 }
 
 function ruler(context, left, low, length, width) {
@@ -21,7 +21,7 @@ function ruler(context, left, low, length, width) {
   const text = `${Number(length.toPrecision(1))} units`;
   context.globalAlpha = 1;
   context.font = "12px system-ui, sans-serif";
-  for (const [colour, wider] of [["--paper", 3], ["--soft", 0]]) { // around it the colour of the ground, over shapes
+  for (const [colour, wider] of [["--paper", 3], ["--soft", 0]]) { // with an outline in the background colour, to be legible over shapes
     context.strokeStyle = context.fillStyle = style.getPropertyValue(colour);
     context.lineWidth = 1.5 + wider;
     context.beginPath();

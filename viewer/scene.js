@@ -1,4 +1,4 @@
-// Both shapes with their spheres, side by side or one above the other, seen by one camera.
+// Both shapes with their matches, side by side or one above the other, seen by one camera.
 import {
   AmbientLight, BoxGeometry, Color, DirectionalLight, InstancedMesh, Matrix4, Mesh, MeshBasicMaterial,
   MeshPhongMaterial, OctahedronGeometry, OrthographicCamera, Quaternion, Raycaster, RingGeometry, Scene, SphereGeometry,
@@ -6,10 +6,10 @@ import {
 } from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 import { rulers } from "./ruler.js";
-import { picture, Surface } from "./surface.js";
+import { Surface, textureOf } from "./surface.js";
 
 const MARGIN = 1.12;
-export const STRIP = 30; // above each shape, in CSS pixels, for its name
+export const STRIP = 30; // height of the name above each shape, in CSS pixels
 
 export class View {
   constructor(canvas, lines, data) {
@@ -23,11 +23,11 @@ export class View {
     this.controls = new OrbitControls(this.camera, canvas);
     this.controls.minZoom = 0.5;
     this.controls.maxZoom = 40;
-    this.extent = [1, 1]; // half the width and height of what the first view shows
+    this.extent = [1, 1]; // half the width and height that the first view shows
     this.controls.addEventListener("change", () => this.redraw());
     this.sides = data.sides.map((side) => this.#side(side));
     this.allLines = false;
-    this.from = [data.azimuth, data.elevation];
+    this.direction = [data.azimuth, data.elevation];
     this.time = 0; // of the morph
     this.onDraw = () => {};
     new ResizeObserver(() => this.resize()).observe(canvas);
@@ -44,27 +44,26 @@ export class View {
     return { scene, surface, halo, marks: [], points: null };
   }
 
-  // Show these matches in their colours; `chosen` is one of them or null.
-  show(explanation, matches, chosen, colours) {
-    this.explanation = explanation;
+  // Show these matches of an alignment in their colours; `selected` is one of them or null.
+  show(alignment, matches, selected, colours) {
     this.colours = colours;
     this.matches = matches;
-    this.chosen = chosen;
+    this.selected = selected;
     const kinds = [[], [], []];
     for (const match of matches) kinds[match.given ? 2 : match.kind === "voted" ? 0 : 1].push(match);
     this.sides.forEach((side, s) => {
-      side.points = s || !this.time ? explanation.points[s]
-        : this.#between([explanation.points[0], ...explanation.moved]);
+      side.points = s || !this.time ? alignment.points[s]
+        : this.#interpolate([alignment.points[0], ...alignment.moved]);
       for (const mark of side.marks) {
         side.scene.remove(mark);
         mark.dispose();
       }
       side.marks = kinds.map((kind, k) => this.#marks(side, kind, k)).filter(Boolean);
       for (const mark of side.marks) side.scene.add(mark);
-      side.halo.visible = chosen !== null;
-      if (chosen !== null) {
-        side.halo.position.copy(this.point(s, chosen));
-        side.halo.scale.setScalar(this.size(chosen));
+      side.halo.visible = selected !== null;
+      if (selected !== null) {
+        side.halo.position.copy(this.point(s, selected));
+        side.halo.scale.setScalar(this.size(selected));
       }
     });
     this.redraw();
@@ -85,25 +84,25 @@ export class View {
     return marks;
   }
 
-  // Paint the surfaces: null for plain, else one of the colourings.
+  // Colour the surfaces: null for plain, or one of the colourings.
   paint(colouring) {
     this.colouring = colouring;
-    if (colouring?.texture) this.texture ??= picture(this.data.texture, () => this.redraw());
+    if (colouring?.texture) this.texture ??= textureOf(this.data.texture, () => this.redraw());
     this.sides.forEach(({ surface }, s) =>
       surface.paint(colouring?.colours?.[s], colouring?.checker, colouring?.texture && this.texture));
     this.theme();
   }
 
-  // The source on its way to the target, from 0 to 1; `show` then moves the matches too.
+  // Show the source between itself (0) and the target (1); `show` then moves the matches too.
   morph(time) {
-    const other = Boolean(time) !== Boolean(this.time);
+    const changed = Boolean(time) !== Boolean(this.time);
     this.time = time;
-    if (other) this.#fit();
-    this.sides[0].surface.bend(this.#between([this.data.sides[0].positions, ...this.data.morph]));
+    if (changed) this.#fit();
+    this.sides[0].surface.move(this.#interpolate([this.data.sides[0].positions, ...this.data.morph]));
     this.redraw();
   }
 
-  #between(frames) {
+  #interpolate(frames) {
     const at = this.time * (frames.length - 1);
     const k = Math.min(Math.floor(at), frames.length - 2);
     return frames[k].map((value, i) => value + (at - k) * (frames[k + 1][i] - value));
@@ -119,15 +118,15 @@ export class View {
   }
 
   size(match) {
-    return this.data.radius * (0.4 + 0.6 * match.certain);
+    return this.data.radius * (0.4 + 0.6 * match.certainty);
   }
 
   point(s, match) {
     return new Vector3().fromArray(this.sides[s].points, 3 * match.number);
   }
 
-  // Where the shapes are drawn, side by side or one above the other, whichever shows more: [left, top, width, height]
-  // in CSS pixels, below the strips with the names.
+  // The boxes [left, top, width, height] of both shapes in CSS pixels, below their names; side by side or one above the
+  // other, whichever shows the shapes larger.
   boxes() {
     const { clientWidth: w, clientHeight: h } = this.canvas;
     const scale = (width, height) => Math.min(width / this.extent[0], height / this.extent[1]);
@@ -136,9 +135,9 @@ export class View {
     return [0, 1].map((s) => [beside ? s * width : 0, STRIP + (beside ? 0 : s * height), width, height - STRIP]);
   }
 
-  // See all of both shapes from a direction, in radians: by default that of the first view.
+  // Show both shapes completely from a direction in radians, by default that of the first view.
   reset(azimuth = this.data.azimuth, elevation = this.data.elevation) {
-    this.from = [azimuth, elevation];
+    this.direction = [azimuth, elevation];
     this.controls.target.set(0, 0, 0);
     this.camera.zoom = 1;
     this.#look(new Vector3(
@@ -146,11 +145,11 @@ export class View {
     this.#fit();
   }
 
-  // Turn both so that the ends of a match face the viewer, as well as one direction can.
+  // Rotate both so that the ends of a match face the viewer, as well as one direction allows.
   face(match) {
-    const [one, other] = this.sides.map(({ surface }, s) => surface.normal(this.point(s, match)));
-    const both = one.clone().add(other);
-    this.#look(both.length() > 0.5 ? both : one); // what faces opposite ways cannot be seen at once
+    const [source, target] = this.sides.map(({ surface }, s) => surface.normal(this.point(s, match)));
+    const mean = source.clone().add(target);
+    this.#look(mean.length() > 0.5 ? mean : source); // ends that face opposite ways cannot both be visible
   }
 
   #look(direction) {
@@ -159,10 +158,10 @@ export class View {
     this.redraw();
   }
 
-  // How much the view has to show: both shapes, and those between them while they are seen.
+  // Set the extent of the view: both shapes, and during the morph those between them.
   #fit() {
     const { sides, morph } = this.data;
-    const [a, e] = this.from;
+    const [a, e] = this.direction;
     let width = 1e-3, height = 1e-3;
     for (const positions of [...sides.map((side) => side.positions), ...(this.time ? morph : [])]) {
       for (let i = 0; i < positions.length; i += 3) {
@@ -175,7 +174,7 @@ export class View {
     this.resize();
   }
 
-  // With so many pixels of the canvas along one of CSS.
+  // Resize the canvas, with `ratio` pixels along a CSS pixel.
   resize(ratio = Math.min(window.devicePixelRatio, 2)) {
     const { clientWidth: w, clientHeight: h } = this.canvas;
     if (!w || !h) return;
@@ -212,7 +211,7 @@ export class View {
     this.onDraw();
   }
 
-  // Where a match is on the canvas, in CSS pixels; z is its depth.
+  // The position of a match on the canvas, in CSS pixels; z is its depth.
   project(s, match) {
     const [x, y, w, h] = this.boxes()[s];
     const at = this.point(s, match).project(this.camera);
@@ -225,13 +224,13 @@ export class View {
     context.setTransform(ratio, 0, 0, ratio, 0, 0);
     context.clearRect(0, 0, this.canvas.clientWidth, this.canvas.clientHeight);
     const ink = getComputedStyle(document.documentElement).getPropertyValue("--ink");
-    const shown = this.allLines ? this.matches : this.matches.filter((match) => match === this.chosen);
+    const shown = this.allLines ? this.matches : this.matches.filter((match) => match === this.selected);
     for (const match of shown) {
       const [from, to] = [0, 1].map((s) => this.project(s, match));
       const rgb = this.colours.subarray(3 * match.number, 3 * match.number + 3);
-      const chosen = match === this.chosen;
-      context.globalAlpha = chosen ? 1 : 0.55;
-      for (const [colour, width] of [...(chosen ? [[ink, 4.5]] : []), [`rgb(${rgb.join(",")})`, chosen ? 2.5 : 1]]) {
+      const selected = match === this.selected;
+      context.globalAlpha = selected ? 1 : 0.55;
+      for (const [colour, width] of [...(selected ? [[ink, 4.5]] : []), [`rgb(${rgb.join(",")})`, selected ? 2.5 : 1]]) {
         context.strokeStyle = colour;
         context.lineWidth = width;
         context.beginPath();
@@ -243,22 +242,22 @@ export class View {
     rulers(context, this.boxes(), this.data.sides.map(({ unit }) => unit * this.pixels()));
   }
 
-  // How long a length of 1 is, in CSS pixels.
+  // CSS pixels per unit of length of the scene.
   pixels() {
     return (this.boxes()[0][3] * this.camera.zoom) / (2 * this.camera.top);
   }
 
-  // The match at a place of the canvas that no surface hides, or null.
+  // The visible match at a position of the canvas, or null.
   pick(x, y, reach) {
     const s = this.boxes().findIndex(([left, top, w, h]) => x >= left && x < left + w && y >= top && y < top + h);
     if (s < 0 || !this.sides[s].marks.length) return null;
     const pixels = this.pixels();
     return this.matches
       .map((match) => ({ match, at: this.project(s, match), radius: this.size(match) * pixels }))
-      .map((one) => ({ ...one, apart: Math.hypot(one.at.x - x, one.at.y - y) }))
-      .filter((one) => one.apart <= Math.max(one.radius, reach))
-      .sort((one, other) => one.apart - other.apart)
-      .find((one) => !this.#hidden(s, one.match))?.match ?? null;
+      .map((hit) => ({ ...hit, distance: Math.hypot(hit.at.x - x, hit.at.y - y) }))
+      .filter((hit) => hit.distance <= Math.max(hit.radius, reach))
+      .sort((a, b) => a.distance - b.distance)
+      .find((hit) => !this.#hidden(s, hit.match))?.match ?? null;
   }
 
   #hidden(s, match) {
@@ -277,7 +276,7 @@ const MARK = [
   new MeshPhongMaterial({ specular: 0x222222, flatShading: true }),
   new MeshPhongMaterial({ specular: 0x222222, flatShading: true }),
 ];
-MARK[0].onBeforeCompile = (shader) => { // a dark rim tells spheres from each other and from the surface
+MARK[0].onBeforeCompile = (shader) => { // a dark rim separates spheres from each other and from the surface
   shader.fragmentShader = shader.fragmentShader.replace("#include <opaque_fragment>",
     "outgoingLight *= mix(0.3, 1.0, smoothstep(0.15, 0.5, normal.z));\n#include <opaque_fragment>");
 };

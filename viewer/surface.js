@@ -1,10 +1,10 @@
-// One surface: plain, painted, with squares or with its texture, and bent.
+// One surface: plain, coloured, with a checkerboard or with its texture; its vertices can be moved.
 import {
   BufferAttribute, BufferGeometry, Color, DoubleSide, Mesh, MeshLambertMaterial, RepeatWrapping, SRGBColorSpace,
   TextureLoader, Vector3,
 } from "three";
 
-const SQUARES = 9; // along the longest side of the source
+const SQUARES = 9; // of the checkerboard along the longest side of the source
 
 export class Surface {
   constructor(data) {
@@ -31,10 +31,10 @@ export class Surface {
       };
     }
     this.mesh = new Mesh(geometry, material);
-    this.draped = null;
+    this.textured = null;
   }
 
-  // Colours (a byte a channel, three a vertex) or null for plain; `texture` takes the place of both.
+  // Colours (three bytes per vertex) or null for plain; a `texture` replaces both.
   paint(colours, checker, texture) {
     const { geometry, material } = this.mesh;
     if (colours) {
@@ -48,68 +48,68 @@ export class Surface {
     this.squares.value = checker ? SQUARES : 0;
     material.vertexColors = Boolean(colours);
     material.needsUpdate = true;
-    if (texture && !this.draped) this.#drape(texture);
+    if (texture && !this.textured) this.#addTextured(texture);
     this.mesh.visible = !texture;
-    if (this.draped) this.draped.visible = Boolean(texture);
+    if (this.textured) this.textured.visible = Boolean(texture);
   }
 
-  // A copy whose triangles share no corners, so that each has texture coordinates of its own.
-  #drape(texture) {
+  // A copy whose triangles share no corners, so that each corner has its own texture coordinates.
+  #addTextured(texture) {
     const { uv, triangles } = this.data;
-    // Those that have a place in the texture first; the others are grey.
+    // Faces with texture coordinates first; the others are grey.
     const faces = [...uv.known.keys()].sort((i, j) => uv.known[j] - uv.known[i]);
     const corners = faces.flatMap((face) => [3 * face, 3 * face + 1, 3 * face + 2]);
-    const known = 3 * uv.known.reduce((sum, one) => sum + one, 0);
+    const known = 3 * uv.known.reduce((sum, known) => sum + known, 0);
     const geometry = new BufferGeometry();
     geometry.setAttribute("uv", new BufferAttribute(
-      Float32Array.from({ length: 2 * corners.length }, (_, i) => uv.places[2 * corners[i >> 1] + (i & 1)]), 2));
+      Float32Array.from({ length: 2 * corners.length }, (_, i) => uv.coordinates[2 * corners[i >> 1] + (i & 1)]), 2));
     for (const name of ["position", "normal"]) {
       geometry.setAttribute(name, new BufferAttribute(new Float32Array(3 * corners.length), 3));
     }
     geometry.addGroup(0, known, 0);
     geometry.addGroup(known, corners.length - known, 1);
     this.corners = corners.map((corner) => triangles[corner]);
-    this.draped = new Mesh(geometry, [
+    this.textured = new Mesh(geometry, [
       new MeshLambertMaterial({ map: texture, side: DoubleSide }),
       new MeshLambertMaterial({ color: 0x737378, side: DoubleSide }),
     ]);
-    this.draped.frustumCulled = false;
-    this.mesh.parent.add(this.draped);
-    this.#follow();
+    this.textured.frustumCulled = false;
+    this.mesh.parent.add(this.textured);
+    this.#updateTextured();
   }
 
-  #follow() {
+  #updateTextured() {
     for (const name of ["position", "normal"]) {
       const from = this.mesh.geometry.getAttribute(name).array;
-      const to = this.draped.geometry.getAttribute(name);
+      const to = this.textured.geometry.getAttribute(name);
       this.corners.forEach((vertex, i) => to.array.set(from.subarray(3 * vertex, 3 * vertex + 3), 3 * i));
       to.needsUpdate = true;
     }
   }
 
-  // Which way the surface faces at its vertex nearest to a place.
-  normal(place) {
+  // The normal at the vertex nearest to a point.
+  normal(point) {
     const { position, normal } = this.mesh.geometry.attributes;
     const at = new Vector3();
-    let nearest = 0, least = Infinity;
+    let nearest = 0, smallest = Infinity;
     for (let i = 0; i < position.count; i++) {
-      const apart = at.fromBufferAttribute(position, i).distanceToSquared(place);
-      if (apart < least) [nearest, least] = [i, apart];
+      const distance = at.fromBufferAttribute(position, i).distanceToSquared(point);
+      if (distance < smallest) [nearest, smallest] = [i, distance];
     }
     return at.fromBufferAttribute(normal, nearest);
   }
 
-  bend(positions) {
+  move(positions) {
     const { geometry } = this.mesh;
     geometry.getAttribute("position").array.set(positions);
     geometry.getAttribute("position").needsUpdate = true;
     geometry.computeVertexNormals();
     geometry.computeBoundingSphere();
-    if (this.draped) this.#follow();
+    if (this.textured) this.#updateTextured();
   }
 }
 
-export function picture(address, done) {
+export function textureOf(address, done) {
   const texture = new TextureLoader().load(address, done);
   texture.colorSpace = SRGBColorSpace;
   texture.wrapS = texture.wrapT = RepeatWrapping;

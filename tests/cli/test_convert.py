@@ -62,7 +62,7 @@ def test_a_map_alone_is_converted(mobius, given, tmp_path):
     [
         (("result.json", "out.stl"), 2, "unknown ending; known are .csv, .mrk.json"),
         (("result.json", "out.csv", "--format", "xls"), 2, "--format is 'xls'; choose one of csv, slicer"),
-        (("result.json", "-", "--format", "csv"), 2, "OUT is a file"),
+        (("result.json", "-", "--format", "csv"), 2, "OUT cannot be standard output"),
         (("result.json", "result.json", "--side", "source"), 2, "is one of the inputs"),
         (("result.json", "nowhere/out.pts"), 2, "does not exist"),
         (("result.json", "out.csv", "--min-confidence", "0.95"), 4, "the highest is 0.900"),
@@ -128,8 +128,8 @@ def test_what_lies_beside_the_surface_or_is_missing_is_told(mobius, given, kept,
     assert ended.code == 0
     first, second, _ = ended.err.splitlines()
     assert first == "left out, missing in the file: s"
-    assert second.startswith("1 of 3 landmarks lie beside one.ply, by up to ")
-    assert "(q): are they placed on this mesh" in second
+    assert second.startswith("1 of 3 landmarks lie up to ")
+    assert "units off the surface of one.ply (q): check that they belong to this mesh" in second
     assert mm.read_landmarks(tmp_path / "b.fcsv").names == ["p", "q", "r"]
 
 
@@ -141,7 +141,7 @@ def test_a_file_in_the_other_system_is_converted(mobius, given, kept, tmp_path):
     for options, sign in (((), 1), (("--coordinate-system", "RAS"), None)):
         ended = mobius("landmarks", tmp_path / "a.fcsv", given / "map.npz", "-o", tmp_path / "b.fcsv", *options)
         assert ended.code == 0
-        assert ("beside one.ply" in ended.err) == (sign is None)
+        assert ("off the surface of one.ply" in ended.err) == (sign is None)
     assert "CoordinateSystem = RAS" in (tmp_path / "b.fcsv").read_text()
 
 

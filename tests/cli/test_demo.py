@@ -45,7 +45,7 @@ def test_tables_and_quiet(mobius, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     ended = mobius("demo", "--quiet")
     assert (ended.code, ended.err) == (0, "")
-    assert f"{first}: matches and their true errors" in ended.out
+    assert f"{first}: matches and their errors" in ended.out
     assert "within 5 %" in ended.out
     assert "\x1b" not in ended.out
     assert (tmp_path / "mobius-demo" / f"{first}.json").exists()

@@ -6,7 +6,7 @@ import json
 def test_a_table_for_each_mesh(mobius, pair):
     ended = mobius("info", *pair[:2])
     assert (ended.code, ended.err) == (0, "")
-    for words in ("one.off", "two.off", "642", "1280", "genus", "nothing: the mesh is used as it is"):
+    for words in ("one.off", "two.off", "642", "1280", "genus", "repairs"):
         assert words in ended.out
     assert "\x1b" not in ended.out
 
@@ -31,7 +31,7 @@ def test_one_message_for_each_bad_file(mobius, pair, torus, broken):
     assert len(lines) == 2
     assert lines[0].startswith("error: torus.off")
     assert str(broken) in lines[1]
-    assert "why not usable" in some.out
+    assert "not usable because" in some.out
     assert mobius("info", torus, broken).code == 3
     assert mobius("info", broken).code == 3
     assert mobius("info", "no-such-file.off").code == 3

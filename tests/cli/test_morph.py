@@ -54,8 +54,8 @@ def test_no_pictures(mobius, kept, tmp_path):
         (("--frames", 1), "--frames is 1; give a number from 2"),
         (("--seconds", 0), "--seconds is 0"),
         (("--pixels", 5), "--pixels is 5; give 0, or"),
-        (("-o", "file"), "the folder file cannot be made"),
-        (("-o", "file/below"), "the folder file/below cannot be made"),
+        (("-o", "file"), "the folder file cannot be created"),
+        (("-o", "file/below"), "the folder file/below cannot be created"),
     ],
 )
 def test_errors(mobius, kept, tmp_path, monkeypatch, options, message):

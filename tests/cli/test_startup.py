@@ -63,7 +63,7 @@ def test_compiling_is_told_once_and_not_if_quiet_or_kept(capsys, quiet):
                 kernel(value)
                 kernel(value)
             said = capsys.readouterr()
-            told = "compiling kernels (first run only; up to 20 seconds or so)...\n"
+            told = "compiling (up to a minute, in the first run only) ...\n"
             assert said == ("", "" if quiet or value == 3 else told)
 
 
@@ -112,5 +112,5 @@ sys.stderr.write("".join(told))
 def test_kernels_work_where_none_can_be_kept(start_process):
     out, err = start_process("-c", READ_ONLY)
     assert out == "2"
-    why = "every run: no folder can be written, name one in NUMBA_CACHE_DIR"
-    assert err == f"compiling kernels ({why}; up to 20 seconds or so)..."
+    why = "in every run: no cache folder is writable; set NUMBA_CACHE_DIR to one"
+    assert err == f"compiling (up to a minute, {why}) ..."

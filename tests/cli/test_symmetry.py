@@ -62,7 +62,7 @@ def test_json_alone_on_standard_output(mobius, twofold, options):
 def test_without_options_a_table_is_printed(mobius, twofold):
     ended = mobius("symmetry", twofold[0], *QUICK)
     assert ended.code == 0
-    for text in ("score 1.00", "stay in place", "mirrored", "confidence"):
+    for text in ("score 1.00", "map to themselves", "mirrored", "confidence"):
         assert text in ended.out
     assert "\x1b" not in ended.out + ended.err
 

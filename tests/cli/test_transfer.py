@@ -116,7 +116,7 @@ def test_landmarks_and_curves(mobius, kept, tmp_path):
     assert ended.out.splitlines()[0] == "vertex,x,y,z"
     np.savetxt(tmp_path / "plain.txt", some, "%d")
     ended = mobius("transfer", folder / "map.npz", "--what", tmp_path / "plain.txt", "-o", tmp_path / "out.npz")
-    assert "5 rows without headings, taken for landmarks" in ended.err
+    assert "5 rows without headings, read as landmarks" in ended.err
     np.testing.assert_array_equal(np.load(tmp_path / "out.npz")["vertices"], number[some])
 
 
@@ -140,17 +140,25 @@ def test_a_result_is_matched_again(mobius, pair, tmp_path):
 @pytest.mark.parametrize(
     ("options", "code", "message"),
     [
-        (("--what", "colours", "-o", "out.ply"), 2, "colours is no file, and none of colors, uv, labels, positions"),
-        (("--what", "colors", "-o", "out.stl"), 2, "should end in one of .ply"),
+        (
+            ("--what", "colours", "-o", "out.ply"),
+            2,
+            "colours is neither a file nor one of colors, uv, labels, positions",
+        ),
+        (("--what", "colors", "-o", "out.stl"), 2, "must end in one of .ply"),
         (("--what", "colors", "-o", "nowhere/out.ply"), 2, "does not exist"),
         (("--what", "colors", "-o", "map.npz"), 2, "is one of the inputs"),
         (("--what", "labels", "-o", "out.obj"), 2, "labels and values can be written to .ply"),
-        (("--what", "colors", "--what", "labels", "-o", "out.csv"), 2, "several were asked for"),
-        (("--what", "positions", "--what", "colors", "-o", "out.ply"), 2, "ask twice"),
+        (("--what", "colors", "--what", "labels", "-o", "out.csv"), 2, "can hold one attribute only"),
+        (("--what", "positions", "--what", "colors", "-o", "out.ply"), 2, "run the command once for each"),
         (("--what", "marks.csv", "-o", "out.ply"), 2, "landmarks are written as .csv"),
         (("--what", "colors", "--back", "-o", "out.ply"), 3, "two.ply: has no colours"),
         (("--what", "labels", "--back", "-o", "out.ply"), 3, "two.ply: has no labels"),
-        (("--what", "colors", "--from", "other.off", "-o", "out.ply"), 3, "not numbered as those of one.ply"),
+        (
+            ("--what", "colors", "--from", "other.off", "-o", "out.ply"),
+            3,
+            "its vertices or faces differ from those of one.ply",
+        ),
         (("--what", "far.csv", "-o", "out.csv"), 2, "has no vertex 9999"),
         (("--what", "short.csv", "-o", "out.csv"), 3, "has 642 vertices and 1280 faces"),
         (("--what", "words.csv", "-o", "out.csv"), 3, "words.csv: line 2: 'b' is not a number"),

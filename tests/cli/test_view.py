@@ -56,7 +56,7 @@ def test_the_page_of_a_match_and_that_of_its_files_are_one(mobius, made, tmp_pat
     page = tmp_path / "page.html"
     ended = mobius("view", made["json"], "--with-map", made["npz"], "--explain", "-o", page)
     assert ended == (0, "", f"page written to {page}\n")
-    assert '"Squares"' in page.read_text(encoding="utf-8")
+    assert '"Checkerboard"' in page.read_text(encoding="utf-8")
     assert page.read_bytes() == made["html"].read_bytes()
     assert mobius("view", made["json"], "-o", "-", "--quiet").err == ""
 
@@ -72,7 +72,7 @@ def test_the_browser_opens_the_page(mobius, made, opened, monkeypatch, tmp_path)
     text = path.read_text(encoding="utf-8")
     assert text.startswith("<!doctype html>")
     assert "one.off" in text
-    assert '"Squares"' not in text
+    assert '"Checkerboard"' not in text
     assert '"paired"' not in text
     assert '"errors"' not in text
 
@@ -107,7 +107,7 @@ def test_without_a_browser_the_page_is_named(mobius, made, monkeypatch):
     Path(ended.err.split()[-3]).unlink()
 
 
-def test_what_cannot_be_shown_is_told(mobius, made, opened, tmp_path):
+def test_input_that_cannot_be_shown_is_reported(mobius, made, opened, tmp_path):
     page, png = tmp_path / "page.html", tmp_path / "page.png"
     content = json.loads(made["json"].read_text())
     moved, damaged = tmp_path / "moved.json", tmp_path / "damaged.json"
@@ -116,9 +116,9 @@ def test_what_cannot_be_shown_is_told(mobius, made, opened, tmp_path):
     content["alternatives"] = [{"margin": 1}]
     damaged.write_text(json.dumps(content))
     for code, words, arguments in (
-        (2, "name it so", (made["json"], "-o", tmp_path / "page.txt")),
+        (2, "change its ending", (made["json"], "-o", tmp_path / "page.txt")),
         (2, "does not exist", (made["json"], "-o", tmp_path / "nowhere" / "page.html")),
-        (2, "name it so", (made["json"], "--png", tmp_path / "page.jpg")),
+        (2, "change its ending", (made["json"], "--png", tmp_path / "page.jpg")),
         (2, "'30' is not two numbers, as in 1600x800", (made["json"], "--png", png, "--size", "30")),
         (2, "'up' is not two numbers, as in 30,15", (made["json"], "--png", png, "--view", "up")),
         (2, "two numbers in degrees", (made["json"], "--png", png, "--view", "nan,0")),
@@ -140,4 +140,4 @@ def test_what_cannot_be_shown_is_told(mobius, made, opened, tmp_path):
 def test_match_refuses_another_ending_at_once(mobius, pair, tmp_path):
     ended = mobius("match", *pair[:2], "--html", tmp_path / "page.pdf")
     assert ended.code == 2
-    assert "name it so" in ended.err
+    assert "change its ending" in ended.err

@@ -26,7 +26,7 @@ def mesh():
 
 @pytest.fixture(scope="session")
 def result(mesh):
-    """A lump matched to itself: 24 matches, each third recovered; the other explanation has 5, and runs askew."""
+    """A lump matched to itself: 24 matches, every third recovered; an alternative has 5 wrong ones."""
     numbers = np.arange(0, len(mesh.vertices), len(mesh.vertices) // 24)[:24]
     pairs = np.stack([numbers, numbers], axis=1)
     kind = np.where(np.arange(24) % 3 == 2, "recovered", "voted")
@@ -64,7 +64,7 @@ def matched():
 
 @pytest.fixture(scope="session")
 def truth(result):
-    """The matches are right, but for the first, whose true place is that of the second; others are not known."""
+    """The first 8 matches are known: all right but the first, whose true position is that of the second."""
     return Truth(result.pairs[:8, 0], result.pairs[[1, *range(1, 8)], 1], landmarks=True)
 
 

@@ -60,8 +60,8 @@ def choose(browser, name, value):
     browser.settle()
 
 
-def take(browser, number):
-    """Choose a match in the table."""
+def select(browser, number):
+    """Select a match in the table."""
     browser.run(f"document.querySelectorAll('tbody button')[{number - 1}].click()")
     browser.settle()
 
@@ -73,11 +73,11 @@ def move(browser, name, value):
 
 
 def slide(browser, value):
-    move(browser, "least", value)
+    move(browser, "minimum", value)
 
 
 def ends(browser):
-    """Where the two ends of the chosen match are on the screen, as its labels tell."""
+    """The positions of both ends of the selected match on the screen, and their labels."""
     found = browser.run(
         "[...document.querySelectorAll('.end')].map((label) => [label.style.transform, label.textContent])"
     )

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.viewer.pages import choose, take
+from tests.viewer.pages import choose, select
 
 AXE = (Path(__file__).parent / "axe" / "axe.min.js").read_text(encoding="utf-8")
 SIZES = {"desktop": {"width": 1200, "height": 760}, "phone": {"width": 390, "height": 844, "phone": True}}
@@ -29,13 +29,13 @@ def findings(browser):
 def test_no_serious_finding(browser, everything, size, dark):
     browser.open(everything, dark=dark, **SIZES[size])
     assert findings(browser) == []
-    take(browser, 2)
-    choose(browser, "explanation", 1)
-    choose(browser, "marked", 1)
-    choose(browser, "colouring", 3)
+    select(browser, 2)
+    choose(browser, "alignment", 1)
+    choose(browser, "spheres", 1)
+    choose(browser, "surface", 3)
     browser.run("list.open = notes.open = true")
     assert findings(browser) == []
-    browser.run("how.click()")
+    browser.run("votes.click()")
     browser.settle()
     assert findings(browser) == []
 

@@ -26,8 +26,8 @@ from tests.viewer.pages import (
     info,
     picture,
     saturated,
+    select,
     slide,
-    take,
 )
 
 
@@ -50,7 +50,7 @@ def test_both_turn_together(opened):
     one, other = halves(opened)
     assert (np.abs(one - before[0]).max(axis=2) > 0.1).mean() > 0.02
     assert (np.abs(one - other).max(axis=2) > 0.1).mean() < 0.01
-    assert opened.run(STATUS) == "No match chosen"
+    assert opened.run(STATUS) == "No match selected"
     opened.run("reset.click()")
     opened.settle()
     assert (np.abs(halves(opened)[0] - before[0]).max(axis=2) > 0.1).mean() < 0.001
@@ -66,7 +66,7 @@ def test_the_table_lists_the_matches(opened, result):
     assert opened.run("notes.innerText + notes.querySelector('li').textContent").endswith("two.off: a <b>note</b>")
 
 
-def test_the_slider_leaves_out_what_is_less_certain(opened, result):
+def test_the_slider_hides_matches_of_less_confidence(opened, result):
     before = saturated(halves(opened)[0]).sum()
     slide(opened, 0.9)
     kept = int((result.confidence >= 0.9).sum())
@@ -87,16 +87,16 @@ def test_keys_step_through_the_matches(opened, result):
     opened.key("ArrowLeft")
     assert opened.run(STATUS) == "Match 2"
     opened.key("Escape")
-    assert opened.run(STATUS) == "No match chosen"
+    assert opened.run(STATUS) == "No match selected"
     slide(opened, 0.9)
     opened.key("ArrowLeft")  # the last of those that are shown
     assert opened.run(STATUS) == f"Match {(result.confidence >= 0.9).sum()}"
 
 
-def test_a_click_and_a_hover_choose_what_is_in_front(opened):
+def test_a_click_and_a_hover_select_what_is_in_front(opened):
     hit, hidden = [], []
     for number in range(1, 9):
-        take(opened, number)
+        select(opened, number)
         (place, _), (mirrored, _) = ends(opened)
         opened.click(20, 540)
         opened.mouse("mouseMoved", *place)
@@ -105,19 +105,19 @@ def test_a_click_and_a_hover_choose_what_is_in_front(opened):
         assert opened.run(STATUS) == hovered  # on both sides the same is in front
         (hit if hovered == f"Match {number}" else hidden).append(number)
     assert len(hit) >= 3
-    assert hidden  # what is behind the surface is not chosen
+    assert hidden  # what is behind the surface is not selected
     opened.click(20, 540)
-    assert opened.run(STATUS) == "No match chosen"
+    assert opened.run(STATUS) == "No match selected"
 
 
-def test_directions_to_look_from(opened):
+def test_directions_of_view(opened):
     """The shape is longest upward: from above it is small, and round."""
     first = halves(opened)[0]
-    for place, name in enumerate(("Front", "Back", "Left", "Right", "Top", "Below")):
-        assert opened.run(f"document.querySelectorAll('[data-from]')[{place}].textContent") == name
+    for place, name in enumerate(("Front", "Back", "Left", "Right", "Top", "Bottom")):
+        assert opened.run(f"document.querySelectorAll('[data-direction]')[{place}].textContent") == name
     seen = []
     for place in range(6):
-        opened.run(f"document.querySelectorAll('[data-from]')[{place}].click()")
+        opened.run(f"document.querySelectorAll('[data-direction]')[{place}].click()")
         opened.settle()
         one, other = halves(opened)
         seen.append(one)
@@ -131,10 +131,10 @@ def test_directions_to_look_from(opened):
     assert (np.abs(halves(opened)[0] - first).max(axis=2) > 0.1).mean() < 0.001
 
 
-def test_a_match_on_the_far_side_is_turned_to_the_front(opened):
+def test_a_match_on_the_far_side_is_rotated_to_the_front(opened):
     assert opened.run("turn.disabled")
     for number in range(1, 25):
-        take(opened, number)
+        select(opened, number)
         opened.run("turn.click()")
         opened.settle()
         places = ends(opened)
@@ -156,11 +156,11 @@ def test_matches_are_found_by_their_numbers(opened, result):
     assert opened.run(STATUS) == "Match 17"
     assert {2, 20, 21, 22, 23, 24} <= set(typed(" 2"))
     assert typed("99999") == []
-    assert opened.run("unfound.textContent") == "None of the matches has this number."
+    assert opened.run("unfound.textContent") == "No match or vertex has this number."
     assert len(typed("")) == 24
 
 
-def test_pairs_that_were_given_are_told(opened, result, tmp_path):
+def test_given_pairs_are_marked(opened, result, tmp_path):
     assert opened.run("given.hidden")
     voted = halves(opened)[0]
     path = tmp_path / "given.html"
@@ -173,21 +173,21 @@ def test_pairs_that_were_given_are_told(opened, result, tmp_path):
     assert [row[3:5] for row in rows[1:3]] == [["voted", "1"]] * 2
 
 
-def test_rulers_tell_the_size_in_the_units_of_each_file(opened, mesh, result, tmp_path):
-    """Of the same shape in metres and in millimetres; alike if the units are."""
-    told = "(() => { const said = []; const paint = CanvasRenderingContext2D.prototype.fillText;" + (
-        "CanvasRenderingContext2D.prototype.fillText = function (text, ...at) {said.push(text); paint.call(this, text,"
+def test_rulers_show_the_units_of_each_file(opened, mesh, result, tmp_path):
+    """The same shape in metres and in millimetres."""
+    texts = "(() => { const texts = []; const draw = CanvasRenderingContext2D.prototype.fillText;" + (
+        "CanvasRenderingContext2D.prototype.fillText = function (text, ...at) {texts.push(text); draw.call(this, text,"
         " ...at)}; reset.click(); return new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(() =>"
-        " done(said)))); })()"
+        " done(texts)))); })()"
     )
-    one, other = opened.run(told)
-    assert one == other
+    source, target = opened.run(texts)
+    assert source == target
     large = replace(mesh, vertices=1000 * mesh.vertices, sha256="large")
     path = tmp_path / "units.html"
     path.write_text(page(replace(result, target=Prepared(large), target_info=info(large))), encoding="utf-8")
     opened.open(path)
-    one, other = opened.run(told)
-    assert float(other.removesuffix(" units")) == 1000 * float(one.removesuffix(" units"))
+    source, target = opened.run(texts)
+    assert float(target.removesuffix(" units")) == 1000 * float(source.removesuffix(" units"))
 
 
 def test_lines_join_both_ends_on_demand(opened):
@@ -210,33 +210,34 @@ def test_recovered_matches_have_another_shape(opened, file, result, tmp_path):
     assert "recovered" in opened.run("legend.innerText")
 
 
-def test_other_explanations_can_be_looked_at(opened, result):
+def test_other_alignments_can_be_selected(opened, result):
     before = halves(opened)[1]
-    choose(opened, "explanation", 1)
+    choose(opened, "alignment", 1)
     (other,) = result.alternatives
     assert [[int(cell) for cell in row[1:3]] for row in opened.run(ROWS)] == other.pairs.tolist()
-    said = "Lost by 0.12 (below 0.3 is close); 25% of the best triplets spoke for it."
-    assert opened.run("explained.textContent") == said
+    note = "Its cost is 0.12 higher than that of the best alignment (below 0.3 is close); "
+    note += "25% of the best triplets support it."
+    assert opened.run("document.getElementById('alignment-note').textContent") == note
     assert (np.abs(halves(opened)[1] - before).max(axis=2) > 0.1).mean() > 0.005
-    choose(opened, "explanation", 0)
+    choose(opened, "alignment", 0)
     assert len(opened.run(ROWS)) == 24
 
 
-def test_surfaces_take_colours_and_squares(opened):
+def test_surfaces_have_colours_and_a_checkerboard(opened):
     seen = []
     for k in range(1, 5):
-        choose(opened, "colouring", k)
+        choose(opened, "surface", k)
         one, other = halves(opened)
         seen.append(one)
         # The identity: alike but for the 30 vertices that correspond to nothing.
         assert (np.abs(one - other).max(axis=2) > 0.15).mean() < 0.1
-        assert opened.run("document.getElementById('scale').hidden") == (k < 3)
-    places, squares = seen[:2]
-    assert saturated(places).mean() > 0.1
-    darker = places.max(axis=2) - squares.max(axis=2) > 0.1
-    assert 0.3 < darker.sum() / saturated(places).sum() < 0.7
-    choose(opened, "colouring", 0)
-    assert np.ptp(halves(opened)[0], axis=2).mean() < np.ptp(places, axis=2).mean()
+        assert opened.run("document.getElementById('surface-scale').hidden") == (k < 3)
+    colours, squares = seen[:2]
+    assert saturated(colours).mean() > 0.1
+    darker = colours.max(axis=2) - squares.max(axis=2) > 0.1
+    assert 0.3 < darker.sum() / saturated(colours).sum() < 0.7
+    choose(opened, "surface", 0)
+    assert np.ptp(halves(opened)[0], axis=2).mean() < np.ptp(colours, axis=2).mean()
 
 
 def test_download_of_the_result(opened, tmp_path, result):
@@ -270,7 +271,7 @@ def test_dark_where_the_system_is_and_by_the_switch(browser, file):
     assert browser.complaints() == []
 
 
-def test_a_phone_shows_all_of_it_and_a_tap_chooses(browser, file):
+def test_a_phone_shows_the_page_and_a_tap_selects(browser, file):
     browser.open(file, 390, 844, phone=True)
     assert browser.run("document.documentElement.scrollWidth") <= 390
     assert browser.run(
@@ -279,7 +280,7 @@ def test_a_phone_shows_all_of_it_and_a_tap_chooses(browser, file):
     )
     tapped = 0
     for number in range(1, 6):
-        take(browser, number)
+        select(browser, number)
         (x, y), _ = ends(browser)[0]
         browser.run("document.dispatchEvent(new KeyboardEvent('keydown', {key: 'Escape'}))")
         browser.call("Input.dispatchTouchEvent", type="touchStart", touchPoints=[{"x": x, "y": y}])
@@ -346,7 +347,7 @@ def test_no_matches_at_all(browser, tmp_path, result):
     assert browser.complaints() == []
 
 
-def test_without_webgl_the_table_is_left(browser, file, result):
+def test_without_webgl_the_table_remains(browser, file, result):
     cut = browser.call(
         "Page.addScriptToEvaluateOnNewDocument", source="HTMLCanvasElement.prototype.getContext = () => null"
     )

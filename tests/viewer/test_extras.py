@@ -11,7 +11,7 @@ from matplotlib.image import imread
 
 from mobius_match.results.surface_map import SurfaceMap
 from mobius_match.viewer import packing, page
-from tests.viewer.pages import ROWS, STATUS, Prepared, choose, downloaded, halves, info, move, saturated, take
+from tests.viewer.pages import ROWS, STATUS, Prepared, choose, downloaded, halves, info, move, saturated, select
 
 
 @pytest.fixture
@@ -23,29 +23,29 @@ def full(browser, everything):
     assert [url for url in browser.requests() if not url.startswith(("data:", "blob:"))] == []
 
 
-def colouring(browser, name):
-    names = browser.run("[...colouring.options].map((option) => option.text)")
-    choose(browser, "colouring", names.index(name))
+def colour(browser, name):
+    names = browser.run("[...surface.options].map((option) => option.text)")
+    choose(browser, "surface", names.index(name))
 
 
 def rgb(text):
     return np.array([int(text[k : k + 2], 16) for k in (1, 3, 5)])
 
 
-def test_errors_are_told_in_table_and_facts(full, tmp_path):
+def test_errors_are_in_the_table_and_the_facts(full, tmp_path):
     rows = full.run(ROWS)
     assert full.run("[...document.querySelectorAll('th')].map((cell) => cell.textContent)")[4] == "Error %"
     assert float(rows[0][4]) > 5
     assert [row[4] for row in rows[1:]] == ["0.0"] * 7 + [""] * 16
-    take(full, 1)
+    select(full, 1)
     assert f"{rows[0][4]} % of the diameter" in full.run("facts.innerText")
-    take(full, 9)
-    assert "not known" in full.run("facts.innerText")
+    select(full, 9)
+    assert "unknown" in full.run("facts.innerText")
     room = "aside.clientLeft + aside.getBoundingClientRect().left + aside.clientWidth"
     right = "document.querySelector('table').getBoundingClientRect().right"
     assert full.run(f"((aside) => {room} - {right})(document.querySelector('aside'))") >= 0  # nothing is cut off
     mean = float(rows[0][4]) / 8
-    assert full.run("wrong.textContent") == (
+    assert full.run("document.getElementById('spheres-note').textContent") == (
         f"Mean error {mean:.1f} % of the target's diameter; 87.5 % of the matches within 5 %."
     )
     saved = list(csv.reader(downloaded(full, tmp_path, "csv").read_text().splitlines()))
@@ -56,18 +56,18 @@ def test_errors_are_told_in_table_and_facts(full, tmp_path):
 
 def test_errors_as_colours_of_the_spheres(full):
     before = halves(full)[0]
-    choose(full, "marked", 1)
+    choose(full, "spheres", 1)
     spots = full.run("[...document.querySelectorAll('tbody i')].map((spot) => getComputedStyle(spot).backgroundColor)")
     low, high = (f"rgb({', '.join(map(str, rgb(packing.RISING[k])))})" for k in (0, -1))
     assert spots[1:8] == [low] * 7
     assert spots[8:] == ["rgb(115, 115, 120)"] * 16
     assert spots[0] == high  # nearly half way around
-    assert full.run("document.querySelector('#marked-scale p').innerText.split(/\\n+/)") == [
+    assert full.run("document.querySelector('#spheres-scale p').innerText.split(/\\n+/)") == [
         "0 %", "10 %", "20 % or more",
     ]  # fmt: skip
     assert saturated(halves(full)[0]).sum() < 0.2 * saturated(before).sum()
-    choose(full, "marked", 0)
-    assert full.run("document.getElementById('marked-scale').hidden")
+    choose(full, "spheres", 0)
+    assert full.run("document.getElementById('spheres-scale').hidden")
     assert (np.abs(halves(full)[0] - before).max(axis=2) > 0.1).mean() < 0.001
 
 
@@ -79,22 +79,22 @@ def test_errors_as_colours_of_the_surface(browser, result, dense, tmp_path):
     for darker, target in ((False, np.arange(642)), (True, np.arange(642)[::-1])):
         path.write_text(page(result, dense=dense, truth=Truth(np.arange(642), target)), encoding="utf-8")
         browser.open(path)
-        colouring(browser, "Error")
+        colour(browser, "Error")
         for half in halves(browser):
             lit = half[half.min(axis=2) < 0.97]
             assert (np.median(lit.max(axis=1)) < 0.5) == darker
-        assert browser.run("document.querySelectorAll('#scale span').length") == 3
+        assert browser.run("document.querySelectorAll('#surface-scale span').length") == 3
 
 
 def test_distortions_have_a_legend_with_their_units(full):
-    for name, words in (("Change of area", "half"), ("Change of angles", "1 : 2"), ("Change of distances", "0.05")):
-        colouring(full, name)
-        assert words in full.run("document.querySelector('#scale p').innerText")
-        assert len(full.run("coloured.textContent")) > 30
-        assert "gradient" in full.run("document.querySelector('#scale i').style.background")
-    assert full.run("spheres.checked") is False
-    colouring(full, "Plain")
-    assert full.run("[spheres.checked, document.getElementById('scale').hidden]") == [True, True]
+    for name, words in (("Area distortion", "half"), ("Angle distortion", "1 : 2"), ("Distance distortion", "0.05")):
+        colour(full, name)
+        assert words in full.run("document.querySelector('#surface-scale p').innerText")
+        assert len(full.run("document.getElementById('surface-note').textContent")) > 30
+        assert "gradient" in full.run("document.querySelector('#surface-scale i').style.background")
+    assert full.run("matches.checked") is False
+    colour(full, "Plain")
+    assert full.run("[matches.checked, document.getElementById('surface-scale').hidden]") == [True, True]
 
 
 def test_a_saved_picture_has_the_scale_of_its_colours(full, tmp_path):
@@ -104,10 +104,10 @@ def test_a_saved_picture_has_the_scale_of_its_colours(full, tmp_path):
         return drawn[-58, [-400, -40]]  # both ends of the scale
 
     assert np.ptp(corner("plain")) < 0.02
-    colouring(full, "Change of area")
+    colour(full, "Area distortion")
     assert np.abs(255 * corner("area") - [rgb(packing.DIVERGING[k]) for k in (0, -1)]).max() < 60
-    colouring(full, "Plain")
-    choose(full, "marked", 1)
+    colour(full, "Plain")
+    choose(full, "spheres", 1)
     good, bad = corner("error")
     assert good.max() > bad.max() + 0.2
 
@@ -116,7 +116,7 @@ def test_the_texture_is_on_both_and_follows_the_morph(browser, textured, tmp_pat
     path = tmp_path / "textured.html"
     path.write_text(textured, encoding="utf-8")
     browser.open(path)
-    colouring(browser, "Texture")
+    colour(browser, "Texture")
     browser.until("performance.now() > 0")
     for half in halves(browser):
         red, blue = ((half[:, :, k] - half[:, :, 2 - k] > 0.3) for k in (0, 2))
@@ -162,11 +162,11 @@ def canvas(browser, number):
     )
 
 
-def test_the_votes_tell_what_is_pointed_at(full, matched):
+def test_the_votes_name_the_pair_under_the_pointer(full, matched):
     assert full.run("insight.hidden")
-    full.run("how.click()")
+    full.run("votes.click()")
     full.settle()
-    assert full.run("how.getAttribute('aria-pressed')") == "true"
+    assert full.run("votes.getAttribute('aria-pressed')") == "true"
     data = full.run("JSON.parse(document.getElementById('shapes').textContent).insight")
     x, y, width, height = canvas(full, 2)
     row, column = 20, 7
@@ -174,28 +174,28 @@ def test_the_votes_tell_what_is_pointed_at(full, matched):
     i, j = data["rows"][row], data["columns"][column]
     share = matched.votes.matrix[i, j] / matched.votes.matrix.max()
     source, target = data["samples"][0][i], data["samples"][1][j]
-    assert full.run("told.textContent") == (
-        f"source vertex {source}, target vertex {target}: {100 * share:.1f} % of the most votes"
+    assert full.run("pair.textContent") == (
+        f"source vertex {source}, target vertex {target}: {100 * share:.1f} % of the maximum"
     )
     x, y, width, _ = canvas(full, 0)
     corner = data["triplet"][0][0]
     # The first corner of the triangle is at exp(2 pi i / 3), half-way to the rim.
     place = x + width / 2 - (width / 2 - 8) / 4, y + width / 2 - (width / 2 - 8) * 3**0.5 / 4
     full.mouse("mouseMoved", *place)
-    assert full.run("told.textContent").startswith(f"source vertex {data['samples'][0][corner]}, target vertex")
+    assert full.run("pair.textContent").startswith(f"source vertex {data['samples'][0][corner]}, target vertex")
     full.mouse("mouseMoved", x + 3, y + 3)
-    assert full.run("told.textContent").startswith("Point at")
-    full.run("how.click()")
+    assert full.run("pair.textContent").startswith("Point at")
+    full.run("votes.click()")
     assert full.run("insight.hidden")
 
 
-def test_the_votes_show_and_choose_matches(browser, matched, tmp_path):
+def test_the_votes_show_and_select_matches(browser, matched, tmp_path):
     path = tmp_path / "page.html"
     path.write_text(page(matched), encoding="utf-8")
     pixels = "(([c]) => [...c.getContext('2d').getImageData(0, 0, c.width, c.height).data])"
     for dark in (False, True):
         browser.open(path, dark=dark)
-        browser.run("how.click()")
+        browser.run("votes.click()")
         browser.settle()
         found = [
             np.array(browser.run(f"{pixels}([document.querySelectorAll('#insight canvas')[{k}]])")).reshape(-1, 4)
@@ -213,7 +213,7 @@ def test_the_votes_show_and_choose_matches(browser, matched, tmp_path):
         assert 10 < 900 * most.mean() < 40
     data = browser.run("JSON.parse(document.getElementById('shapes').textContent).insight")
     x, y, width, height = canvas(browser, 2)
-    # The surest match of a sample; other points have no row.
+    # The most confident match of a sample; other points have no row.
     place = int(np.flatnonzero(np.isin(matched.pairs[:, 0], data["samples"][0]))[0])
     row = data["rows"].index(data["samples"][0].index(int(matched.pairs[place, 0])))
     browser.click(x + 3, y + (row + 0.5) / len(data["rows"]) * height)
@@ -233,12 +233,12 @@ def test_names_of_files_stay_text_in_all_parts(browser, result, dense, truth, ma
     path = tmp_path / "hostile.html"
     path.write_text(page(hostile, dense=dense, truth=truth), encoding="utf-8")
     browser.open(path)
-    for k in range(browser.run("colouring.options.length")):
-        choose(browser, "colouring", k)
-    choose(browser, "marked", 1)
-    choose(browser, "explanation", 1)
+    for k in range(browser.run("surface.options.length")):
+        choose(browser, "surface", k)
+    choose(browser, "spheres", 1)
+    choose(browser, "alignment", 1)
     move(browser, "morph", 0.5)
-    browser.run("how.click()")
+    browser.run("votes.click()")
     browser.key("ArrowRight")
     browser.mouse("mouseMoved", *(np.array(canvas(browser, 2)[:2]) + 5))
     assert browser.run("window.hit") is None

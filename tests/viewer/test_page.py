@@ -39,7 +39,7 @@ def places(found):
 
 
 def ends(content, k=0):
-    return [numbers(points, "<f4").reshape(-1, 3) for points in content["explanations"][k]["points"]]
+    return [numbers(points, "<f4").reshape(-1, 3) for points in content["alignments"][k]["points"]]
 
 
 def test_spheres_are_at_the_matched_vertices(result, mesh):
@@ -65,8 +65,8 @@ def test_exact_places_on_the_target_are_used(result, mesh):
 
 def test_a_large_mesh_is_drawn_with_fewer_vertices_and_spheres_stay(result, mesh, monkeypatch):
     whole = element(page(result), "shapes")
-    monkeypatch.setattr(viewer.shapes, "MOST", 500)
-    monkeypatch.setattr(viewer.shapes, "FEWER", 200)
+    monkeypatch.setattr(viewer.shapes, "MAX_VERTICES", 500)
+    monkeypatch.setattr(viewer.shapes, "SIMPLIFIED_VERTICES", 200)
     simple = element(page(result), "shapes")
     for side, points, before in zip(simple["sides"], ends(simple), ends(whole), strict=True):
         assert side["simplified"]
@@ -107,9 +107,9 @@ def test_the_page_of_a_pair_with_its_map_is_small():
     assert len(page(found)) < 1_000_000
 
 
-def test_colours_go_by_the_map_and_nothing_is_grey(result, dense):
+def test_colours_follow_the_map_and_are_grey_without_counterpart(result, dense):
     content = element(page(result, dense=dense), "shapes")
-    names = ["Colours by place", "Squares", "Change of area", "Change of angles", "Change of distances"]
+    names = ["Position", "Checkerboard", "Area distortion", "Angle distortion", "Distance distortion"]
     assert [one["name"] for one in content["colourings"]] == names
     source, target = (numbers(colours, "u1").reshape(-1, 3) for colours in content["colourings"][0]["colours"])
     np.testing.assert_array_equal(source[30:], target[30:])
@@ -139,7 +139,7 @@ def test_the_morph_begins_at_the_source_and_ends_at_the_target(result, dense):
     sizes = [np.linalg.norm(one - one.mean(axis=0), axis=1).mean() for one in (start, *frames)]
     assert np.ptp(sizes) < 0.02 * sizes[0]
     for k, one in enumerate((result, *result.alternatives)):
-        moved = numbers(content["explanations"][k]["moved"], "<f4").reshape(8, -1, 3)
+        moved = numbers(content["alignments"][k]["moved"], "<f4").reshape(8, -1, 3)
         np.testing.assert_allclose(moved, frames[:, one.pairs[:, 0]], atol=1e-4)
 
 
@@ -150,7 +150,7 @@ def test_colours_of_the_source_file_are_carried(tmp_path, result, dense, mesh):
     coloured = repair(as_mesh(path))
     seen = replace(result, source=Prepared(coloured), source_info=info(coloured, str(path)))
     content = element(page(seen, dense=replace(dense, source=coloured)), "shapes")
-    (own,) = [one for one in content["colourings"] if one["name"] == "Own colours"]
+    (own,) = [one for one in content["colourings"] if one["name"] == "Colours of the file"]
     source, target = (numbers(one, "u1").reshape(-1, 3) for one in own["colours"])
     np.testing.assert_array_equal(source, colours)
     np.testing.assert_array_equal(target[30:], colours[30:])
@@ -178,14 +178,14 @@ def test_errors_are_those_of_the_evaluation(result, dense, mesh):
     truth = Truth(shifted[known, 0], shifted[known, 1])
     content = element(page(result, dense=dense, truth=truth), "shapes")
     diameter = metrics.diameter(mesh)
-    errors = np.array(content["explanations"][0]["errors"])
+    errors = np.array(content["alignments"][0]["errors"])
     step = np.linalg.norm(mesh.vertices[truth.source] - mesh.vertices[truth.target], axis=1) / diameter
     near = np.searchsorted(truth.source, result.pairs[:, 0])
     same = truth.source[near] == result.pairs[:, 0]
     assert same.sum() > 12
     np.testing.assert_allclose(errors[same], step[near][same], atol=1e-6)
-    assert len(content["explanations"][1]["errors"]) == 5
-    assert max(content["explanations"][1]["errors"]) > 0.2
+    assert len(content["alignments"][1]["errors"]) == 5
+    assert max(content["alignments"][1]["errors"]) > 0.2
     (painted,) = [one for one in content["colourings"] if one["name"] == "Error"]
     source, target = (numbers(one, "u1") for one in painted["values"])
     np.testing.assert_allclose(source[truth.source] / 254 * 0.2, step, atol=0.0005)
@@ -196,7 +196,7 @@ def test_errors_are_those_of_the_evaluation(result, dense, mesh):
 def test_what_is_not_known_has_no_error(result, dense):
     truth = Truth(result.pairs[:2, 0], result.pairs[:2, 1], landmarks=True)
     content = element(page(result, dense=dense, truth=truth), "shapes")
-    assert [error for error in content["explanations"][0]["errors"] if error is not None] == [0.0, 0.0]
+    assert [error for error in content["alignments"][0]["errors"] if error is not None] == [0.0, 0.0]
     source = numbers(content["colourings"][-1]["values"][0], "u1")
     assert 0 < (source != 255).sum() < 0.2 * len(source)
     with pytest.raises(FormatError, match="the list belongs to another mesh"):

@@ -1,4 +1,7 @@
-"""A usual pair can be used at once, and a large one opens, drawn without a GPU. Measured: benchmarks/viewer.py."""
+"""The page of a typical pair opens hardly later than that of a small one, and a large pair opens too, without a GPU.
+
+Seconds are measured by benchmarks/viewer.py.
+"""
 
 import numpy as np
 
@@ -10,7 +13,7 @@ from tests import shapes
 from tests.viewer.pages import ROWS, STATUS, Prepared, halves, info, saturated
 
 OPENINGS = 5
-"""So often it may be tried, for the machine may be busy with other work."""
+"""Times that each page may be opened: the fastest counts, as the machine may be busy with other work."""
 
 
 def written(folder, meshes):
@@ -27,15 +30,25 @@ def written(folder, meshes):
     return path
 
 
-def test_a_pair_of_5000_vertices_can_be_used_within_two_seconds(browser, tmp_path):
-    path = written(tmp_path, [repair(as_mesh(one)) for one in examples.paths("quadruped")])
-    taken = []
-    while len(taken) < OPENINGS and min(taken, default=np.inf) >= 2000:
-        browser.open(path, 1200, 800)
-        browser.key("ArrowRight")
-        taken.append(browser.run("performance.now()"))
-        assert browser.run(STATUS) == "Match 1"
-    assert min(taken) < 2000
+def test_a_pair_of_5000_vertices_opens_almost_as_fast_as_one_of_642(browser, tmp_path):
+    """Most of the time goes into the script itself; twice that time leaves room for noise."""
+    meshes = {
+        "small": [repair(as_mesh(shapes.lump(3)))] * 2,
+        "typical": [repair(as_mesh(path)) for path in examples.paths("quadruped")],
+    }
+    fastest = dict.fromkeys(meshes, np.inf)
+    for name in meshes:
+        (tmp_path / name).mkdir()
+    paths = {name: written(tmp_path / name, pair) for name, pair in meshes.items()}
+    for _ in range(OPENINGS):
+        for name, path in paths.items():
+            browser.open(path, 1200, 800)
+            browser.key("ArrowRight")
+            fastest[name] = min(fastest[name], browser.run("performance.now()"))
+            assert browser.run(STATUS) == "Match 1"
+        if fastest["typical"] < 2 * fastest["small"]:
+            break
+    assert fastest["typical"] < 2 * fastest["small"]
 
 
 def test_a_pair_of_100000_vertices_opens(browser, tmp_path):
@@ -44,7 +57,7 @@ def test_a_pair_of_100000_vertices_opens(browser, tmp_path):
     path = written(tmp_path, [mesh, mesh])
     assert path.stat().st_size < 3_000_000
     browser.open(path, 1200, 800)
-    assert f"{len(mesh.vertices):,} vertices, drawn with fewer" in browser.run("stage.innerText")
+    assert f"{len(mesh.vertices):,} vertices, drawn simplified" in browser.run("stage.innerText")
     for half in halves(browser):
         assert ((np.ptp(half, axis=2) < 0.05) & (half.max(axis=2) < 0.97)).mean() > 0.05
         assert saturated(half).mean() > 0.01

@@ -1,6 +1,6 @@
-"""How loops are compiled to kernels, and how a user is told that it takes a while.
+"""Compilation of loops to kernels, and the message for users who have to wait for it.
 
-numba keeps kernels from run to run: beside the sources, or where those cannot be written in a folder of the user.
+numba caches compiled kernels: next to the sources, or in a folder of the user where those cannot be written.
 """
 
 from __future__ import annotations
@@ -16,29 +16,31 @@ from numba.core import event
 OPTIONS: dict[str, Any] = {"nogil": True, "error_model": "numpy"}
 inlined = numba.njit(inline="always", **OPTIONS)
 
-_not_kept: list[str] = []
+_uncached: list[str] = []
+"""Kernels that no folder could be found for."""
 
 
 def jit(function: Callable[..., Any] | None = None, **options: Any) -> Any:
-    """A kernel, kept from run to run if there is any folder to keep it in; with numba's options, a decorator."""
+    """A compiled function, cached if there is a folder for it; with numba's options only, a decorator."""
     if function is None:
         return partial(jit, **options)
     try:
         return numba.njit(function, cache=True, **OPTIONS, **options)
     except RuntimeError:  # no folder can be written
-        _not_kept.append(function.__name__)
+        _uncached.append(function.__name__)
         return numba.njit(function, **OPTIONS, **options)
 
 
 def compiling() -> str:
-    """What a user is told who waits for kernels."""
-    how_often = "every run: no folder can be written, name one in NUMBA_CACHE_DIR" if _not_kept else "first run only"
-    return f"compiling kernels ({how_often}; up to 20 seconds or so)..."
+    """The message for users who wait for kernels."""
+    if _uncached:
+        return "compiling (up to a minute, in every run: no cache folder is writable; set NUMBA_CACHE_DIR to one) ..."
+    return "compiling (up to a minute, in the first run only) ..."
 
 
 @contextmanager
 def on_compiling(tell: Callable[[], None]) -> Iterator[None]:
-    """Have ``tell`` called, in any thread, whenever a kernel is compiled; not if it was kept."""
+    """Have ``tell`` called, in any thread, whenever a kernel is compiled, but not if it was cached."""
     with event.install_listener("numba:compile", _Listener(tell)):
         yield
 

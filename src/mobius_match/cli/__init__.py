@@ -1,6 +1,6 @@
-"""The command line ``mobius``: reads arguments, calls the public functions, shows what they return.
+"""The command line ``mobius``: reads arguments, calls the public functions and prints what they return.
 
-Nothing heavy is imported before a command runs, so that ``mobius --help`` answers at once.
+Numerical libraries are imported only when a command runs, so that ``mobius --help`` starts quickly.
 """
 
 from __future__ import annotations
@@ -15,13 +15,13 @@ def main() -> None:
     """Run the command line on the arguments of the process, and exit."""
     signal.signal(signal.SIGTERM, terminate)
     try:
-        # A file name that is not text must not stop the program from showing it.
+        # File names may hold bytes that are not valid text; they are printed as escapes.
         for stream in (sys.stdout, sys.stderr):
             stream.reconfigure(errors="backslashreplace")  # type: ignore[union-attr]
         from .app import app
 
         app(prog_name="mobius")
-    except KeyboardInterrupt as error:  # before a command has begun; later common.py deals with it
+    except KeyboardInterrupt as error:  # before a command has begun; afterwards common.py handles it
         code, text = stopped(error)
         sys.stderr.write(f"{text}\n")
         sys.exit(code)

@@ -11,8 +11,9 @@ import signal
 import sys
 from collections.abc import Callable, Iterable, Iterator
 from contextvars import ContextVar
-from types import TracebackType
 from typing import TYPE_CHECKING, Any
+
+import typer
 
 from ..errors import MeshError, MobiusError, NothingFoundError, SettingsError
 from .signals import stopped
@@ -60,58 +61,50 @@ def option_names(command: Callable[..., None]) -> dict[str, str]:
 
 
 def exit_code(error: MobiusError) -> int:
-    """The exit code that an error of the package stands for."""
+    """The exit code for an error of the package."""
     codes = {SettingsError: USAGE, MeshError: UNUSABLE, NothingFoundError: NOTHING_FOUND}
     return next((code for kind, code in codes.items() if isinstance(error, kind)), FAILED)
 
 
 def guarded(command: Callable[..., None]) -> Callable[..., None]:
-    """A command that ends with one line on standard error and an exit code, whatever is raised in it.
+    """Let a command end with one line on standard error and an exit code whatever is raised in it.
 
-    The command has a parameter ``verbose``; if that is set the traceback is shown too.
+    The command has a parameter ``verbose``; if it is set, the traceback is printed too.
     """
 
     @functools.wraps(command)
     def run(**arguments: Any) -> None:
         _running.set(command)
-        with _Guard(arguments["verbose"]):
+        try:
             command(**arguments)
             sys.stdout.flush()
+        except (SystemExit, typer.Exit, typer.BadParameter):
+            raise
+        except BaseException as error:  # noqa: BLE001  # interruptions too end with a message and their exit code
+            raise SystemExit(_end(error, verbose=arguments["verbose"])) from None
 
     return run
 
 
-class _Guard:
-    def __init__(self, verbose: bool) -> None:
-        self.verbose = verbose
+def _end(error: BaseException, *, verbose: bool) -> int:
+    """Report an error; its exit code."""
+    code, text = _ending(error)
+    if isinstance(error, KeyboardInterrupt):
+        signal.signal(signal.SIGINT, signal.SIG_IGN)  # a second Ctrl-C would interrupt the ending
+    if isinstance(error, BrokenPipeError):
+        # Nobody reads standard output any more; the interpreter's own flush at exit must not fail.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    elif verbose and isinstance(error, Exception):
+        import traceback
 
-    def __enter__(self) -> None:
-        pass
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        import typer
-
-        if error is None or isinstance(error, SystemExit | typer.Exit | typer.BadParameter):
-            return
-        code, text = _ending(error)
-        if isinstance(error, KeyboardInterrupt):
-            signal.signal(signal.SIGINT, signal.SIG_IGN)  # a second Ctrl-C would interrupt the ending
-        if isinstance(error, BrokenPipeError):
-            # Nobody reads standard output any more; the interpreter's own flush at exit must not complain.
-            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        elif self.verbose and isinstance(error, Exception):
-            import traceback
-
-            traceback.print_exception(error)
-        if text:
-            say(text)
-        raise SystemExit(code) from None
+        traceback.print_exception(error)
+    if text:
+        say(text)
+    return code
 
 
 def _ending(error: BaseException) -> tuple[int, str]:
-    """Exit code and last line."""
+    """The exit code and the last line on standard error."""
     if isinstance(error, MobiusError):
         return exit_code(error), f"error: {error}"
     if isinstance(error, KeyboardInterrupt):
@@ -121,15 +114,15 @@ def _ending(error: BaseException) -> tuple[int, str]:
     if isinstance(error, OSError):
         return FAILED, f"error: {error}"
     what = " ".join(str(error).split()) or "no message"
-    hint = "repeat with --verbose for the place, and report it please"
+    hint = "run again with --verbose for the traceback, and please report it"
     return FAILED, f"internal error: {type(error).__name__}: {what} ({hint})"
 
 
 class Reporter:
-    """Notes and progress on standard error, if verbose with what the library logs; nothing at all if quiet.
+    """Notes and progress on standard error; with ``verbose`` also the library's log, with ``quiet`` nothing.
 
-    A progress bar is drawn on a terminal only. Use as a context manager around the work; `progress` is what
-    the library's functions take as their ``progress``.
+    A context manager around the work. The progress bar is drawn on a terminal only. The method `progress` is passed to
+    the library's functions as their ``progress``.
     """
 
     def __init__(self, quiet: bool, verbose: bool = False) -> None:
@@ -138,7 +131,7 @@ class Reporter:
         self.verbose = verbose
         self.bar: Progress | None = None
         self.stage = ""
-        self.compiles = False
+        self.compiled = False
 
     def __enter__(self) -> Reporter:
         if not self.quiet and sys.stderr.isatty():
@@ -161,7 +154,7 @@ class Reporter:
         logging.getLogger("mobius_match").removeHandler(self.handler)
 
     def notes(self, lines: Iterable[str]) -> None:
-        """Lines for the user, unless quiet."""
+        """Print lines for the user, unless quiet."""
         for line in () if self.quiet else lines:
             if self.bar is None:
                 say(line)
@@ -170,19 +163,19 @@ class Reporter:
 
     @contextlib.contextmanager
     def compiling(self) -> Iterator[None]:
-        """Say, once, what the user waits for if kernels have to be compiled meanwhile."""
+        """Report once if kernels are compiled during the work, which takes a while."""
         from .._core.compiling import compiling, on_compiling
 
-        def tell() -> None:
-            if not self.compiles:
-                self.compiles = True
+        def report() -> None:
+            if not self.compiled:
+                self.compiled = True
                 self.notes([compiling()])
 
-        with on_compiling(tell):
+        with on_compiling(report):
             yield
 
     def progress(self, stage: str, done: int, total: int) -> None:
-        """Show how far a stage of the work is."""
+        """Show the progress of a stage of the work."""
         if self.bar is not None:
             if self.stage != stage:
                 for task in self.bar.task_ids:

@@ -12,7 +12,7 @@ from ..settings import PRESETS, MatchSettings, make_settings
 
 
 def read_config(path: Path) -> dict[str, Any]:
-    """Settings in a TOML file, checked; ``min-fraction`` and ``min_fraction`` are the same.
+    """Read and check the settings in a TOML file; ``min-fraction`` and ``min_fraction`` are the same key.
 
     Raises
     ------
@@ -30,7 +30,7 @@ def read_config(path: Path) -> dict[str, Any]:
     unknown = [key for key in given if key.replace("-", "_") not in known]
     if unknown:
         raise SettingsError(
-            f"--config: {path} has the unknown key {unknown[0]!r}; known keys are {', '.join(sorted(known))}."
+            f"--config: {path} has an unknown key {unknown[0]!r}; known keys are {', '.join(sorted(known))}."
         )
     try:
         make_settings(**config)
@@ -40,7 +40,12 @@ def read_config(path: Path) -> dict[str, Any]:
     return config
 
 
-def merge(config: dict[str, Any], options: dict[str, Any]) -> dict[str, Any]:
-    """Settings of both, the command line's over the file's; its ``--preset`` also is."""
-    from_preset = PRESETS.get(options.get("preset", ""), {})
-    return {key: value for key, value in config.items() if key not in from_preset} | options
+def given_settings(config: Path | None = None, **options: Any) -> dict[str, Any]:
+    """The settings given in a file and by options (None where not given), which override the file.
+
+    A ``preset`` among the options overrides the file too.
+    """
+    given = {name: value for name, value in options.items() if value is not None}
+    from_preset = PRESETS.get(given.get("preset", ""), {})
+    from_file = read_config(config) if config else {}
+    return {name: value for name, value in from_file.items() if name not in from_preset} | given

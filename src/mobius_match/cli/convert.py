@@ -8,17 +8,8 @@ from typing import Annotated
 from typer import Argument, Option
 
 from .common import Reporter
-from .match import Quiet, Verbose
+from .options import Quiet, System, Verbose
 from .output import STDOUT, check_output
-
-System = Annotated[
-    str,
-    Option(
-        metavar="LPS|RAS",
-        help="What the coordinates of the meshes are, for files that say so: in other files nothing tells. Slicer "
-        "takes meshes for LPS.",
-    ),
-]
 
 
 def convert(
@@ -26,7 +17,7 @@ def convert(
         Path,
         Argument(
             metavar="RESULT",
-            help="Result of 'mobius match -o', or a dense map alone (.npz, of 'mobius match --dense').",
+            help="Result of 'mobius match -o', or dense map (.npz) of 'mobius match --dense'.",
             show_default=False,
         ),
     ],
@@ -35,7 +26,7 @@ def convert(
         Argument(
             metavar="OUT",
             help="File to write: .csv, .mrk.json, .fcsv, .tps, .morphologika, .pts, .pp, .ply, .glb, .npz, .mat or "
-            ".txt. Where a file holds one shape, two are written, OUT with -source and -target in the name.",
+            ".txt. Formats that hold one shape get two files, with -source and -target in their names.",
             show_default=False,
         ),
     ],
@@ -43,25 +34,28 @@ def convert(
         str | None,
         Option(
             metavar="NAME",
-            help="csv, slicer, fcsv, tps, morphologika, pts, pp, ply, glb, npz, mat or text.  [default: as OUT ends]",
+            help="csv, slicer, fcsv, tps, morphologika, pts, pp, ply, glb, npz, mat or text.  [default: from the "
+            "ending of OUT]",
         ),
     ] = None,
-    min_confidence: Annotated[float, Option(metavar="F", help="Leave out matches of less confidence (0 to 1).")] = 0.0,
+    min_confidence: Annotated[
+        float, Option(metavar="F", help="Leave out matches below this confidence (0 to 1).")
+    ] = 0.0,
     side: Annotated[
-        str | None, Option(metavar="source|target", help="Only the landmarks, or the mesh, of this shape.")
+        str | None, Option(metavar="source|target", help="Write only the landmarks, or the mesh, of this shape.")
     ] = None,
     dense: Annotated[
         Path | None,
-        Option(metavar="MAP.npz", help="The dense map, for .npz, .mat and .txt, and to colour meshes by."),
+        Option(metavar="MAP.npz", help="Dense map, for .npz, .mat and .txt, and to colour meshes."),
     ] = None,
     coordinate_system: System = "LPS",
     quiet: Quiet = False,
     verbose: Verbose = False,
 ) -> None:
-    """Write a result for other programs: landmarks of both shapes, coloured meshes, tables and arrays.
+    """Convert a result for other programs: landmarks of both shapes, coloured meshes, tables and arrays.
 
-    Number k of the source corresponds to number k of the target. Coordinates are those of the mesh files, which are
-    read again from where they were.
+    Point k of the source corresponds to point k of the target. Coordinates are those of the mesh files, which are
+    read again from the paths in the result.
     """
     from ..errors import SettingsError
     from ..exporting import export, outputs_of
@@ -69,13 +63,13 @@ def convert(
     from ..results.surface_map import SurfaceMap
 
     if out == STDOUT:
-        raise SettingsError("OUT is a file, not standard output; name one.")
+        raise SettingsError("OUT cannot be standard output; give a file name.")
     for path in outputs_of(out, format, side):
         check_output("OUT", path, [result] if dense is None else [result, dense])
     with Reporter(quiet, verbose) as reporter:
-        found = (SurfaceMap if result.suffix.lower() == ".npz" else Correspondence).load(result)
+        kind = SurfaceMap if result.suffix.lower() == ".npz" else Correspondence
         written = export(
-            found,
+            kind.load(result),
             out,
             format=format,
             side=side,

@@ -1,4 +1,4 @@
-"""``mobius demo``: the shipped pairs, matched and measured."""
+"""``mobius demo``: match the example meshes and measure the errors."""
 
 from __future__ import annotations
 
@@ -8,8 +8,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from .common import Reporter, say
-from .match import Quiet, Verbose, draw, run_match
-from .output import ROWS, STDOUT, make_folder, others_of, print_table, to_json, write
+from .match import run_match
+from .options import Quiet, Verbose
+from .output import ROWS, STDOUT, make_folder, number_omitted, print_table, to_json, write
+from .results import draw
 
 if TYPE_CHECKING:
     import numpy as np
@@ -26,7 +28,7 @@ def demo(
     quiet: Quiet = False,
     verbose: Verbose = False,
 ) -> None:
-    """Match the pairs of meshes that come with the program, and compare with their known correspondence.
+    """Match the example meshes that come with the program, and measure the errors against the known correspondence.
 
     The error of a match is the geodesic distance on the target from the matched vertex to the true point, as
     a fraction of the target's diameter.
@@ -52,18 +54,18 @@ def demo(
     else:
         for entry in report:
             print_table(_match_table(entry))
-        print_table(_summary_table(report, reporter.compiles))
+        print_table(_summary_table(report, reporter.compiled))
     if not quiet:
-        say(f"Results (.json), tables (.csv), pictures (.png) and pages to look at (.html) are in {output.resolve()}")
+        say(f"Results (.json), tables (.csv), pictures (.png) and interactive pages (.html) are in {output.resolve()}")
 
 
 def measure(result: Correspondence, true_faces: np.ndarray, true_weights: np.ndarray) -> dict[str, Any]:
-    """True errors of a match, per geodesic diameter of the target.
+    """Geodesic errors of a match, as fractions of the geodesic diameter of the target.
 
     Parameters
     ----------
     result
-        Of a match of two files.
+        A match of two files.
     true_faces, true_weights
         (n,) int and (n, 3) float: face and barycentric coordinates on the target of each source vertex.
     """
@@ -102,28 +104,23 @@ def _csv(rows: list[dict[str, Any]]) -> bytes:
 def _match_table(entry: dict[str, Any]) -> Table:
     from rich.table import Table
 
-    others = others_of(len(entry["matches"]))
-    caption = others and f"{others}, in {entry['pair']}.csv"
-    title = f"{entry['pair']}: matches and their true errors"
+    omitted = number_omitted(len(entry["matches"]))
+    caption = omitted and f"{omitted} in {entry['pair']}.csv"
+    title = f"{entry['pair']}: matches and their errors"
     table = Table(title=title, caption=caption, title_justify="left", caption_justify="left")
     for heading in ("", "source vertex", "target vertex", "confidence", "error (% of diameter)"):
         table.add_column(heading, justify="right")
     for number, row in enumerate(entry["matches"][:ROWS], start=1):
-        cells = (
-            number,
-            row["source"],
-            row["target"],
-            f"{row['confidence']:.3f}",
-            f"{100 * row['error']:.1f}",
+        table.add_row(
+            *map(str, (number, row["source"], row["target"])), f"{row['confidence']:.3f}", _percent(row["error"])
         )
-        table.add_row(*map(str, cells))
     return table
 
 
 def _summary_table(report: list[dict[str, Any]], compiled: bool) -> Table:
     from rich.table import Table
 
-    table = Table(title="True errors, % of the target's diameter", title_justify="left")
+    table = Table(title="Errors, % of the target's diameter", title_justify="left")
     for heading in (
         "pair",
         "matches",
@@ -131,11 +128,15 @@ def _summary_table(report: list[dict[str, Any]], compiled: bool) -> Table:
         "mean of\nfirst 45",
         "within 3 %",
         "within 5 %",
-        "seconds,\ncompiling\ntoo" if compiled else "seconds",
+        "seconds\n(with\ncompiling)" if compiled else "seconds",
     ):
         table.add_column(heading, justify="left" if heading == "pair" else "right")
     for entry in report:
-        errors = (f"{100 * entry[f'mean_error_first_{n}']:.1f}" for n in (15, 45))
+        errors = (_percent(entry[f"mean_error_first_{n}"]) for n in (15, 45))
         shares = (f"{100 * entry[f'within_{n}_percent']:.0f} %" for n in (3, 5))
         table.add_row(entry["pair"], str(entry["correspondences"]), *errors, *shares, f"{entry['seconds']:.1f}")
     return table
+
+
+def _percent(fraction: float) -> str:
+    return f"{100 * fraction:.1f}"

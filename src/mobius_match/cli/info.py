@@ -10,24 +10,25 @@ import typer
 
 from ..errors import MobiusError
 from .common import SOME_FAILED, UNUSABLE, say
-from .match import Verbose
+from .options import Verbose
 from .output import STDOUT, print_table, to_json, write
 
 if TYPE_CHECKING:
     from rich.table import Table
 
 LONGEST_LIST = 6
+"""Entries of a list that the table shows at most."""
 
 
 def info(
     meshes: Annotated[list[Path], typer.Argument(metavar="MESH...", help="Mesh files.")],
-    json: Annotated[bool, typer.Option("--json", help="Print a JSON list, one entry a file.")] = False,
+    json: Annotated[bool, typer.Option("--json", help="Print a JSON list with one entry per file.")] = False,
     verbose: Verbose = False,
 ) -> None:
-    """Show what a mesh is, and what would be done about its flaws.
+    """Show the properties of meshes, and how matching would repair them.
 
-    Shown are topology, size and quality of each file, what matching would repair, and whether it can be
-    matched. Ends with 3 if none can, with 5 if some of several cannot.
+    Prints topology, size and quality of each mesh, the repairs that matching would make, and whether it can be
+    matched. The exit code is 3 if no mesh can be matched, 5 if some of several cannot.
     """
     from ..mesh import describe, read_mesh
 
@@ -58,9 +59,9 @@ def _table(entry: dict[str, Any]) -> Table:
     for label, value in _rows(entry):
         if label not in ("name", "notes", "reason"):
             table.add_row(label, _shown(value))
-    table.add_row("what matching does", "\n".join(entry["notes"]) or "nothing: the mesh is used as it is")
+    table.add_row("repairs", "\n".join(entry["notes"]) or "none")
     if entry["reason"]:
-        table.add_row("why not usable", entry["reason"])
+        table.add_row("not usable because", entry["reason"])
     return table
 
 

@@ -9,10 +9,9 @@ from typing import TYPE_CHECKING, Annotated
 from typer import Argument, Option
 
 from .common import Reporter
-from .convert import System
-from .match import NoCache, Quiet, Verbose
+from .options import Back, NoCache, Quiet, ResultFile, System, Verbose
 from .output import check_output, write
-from .results import ResultFile, load_map
+from .results import load_map
 
 if TYPE_CHECKING:
     import numpy as np
@@ -21,10 +20,10 @@ if TYPE_CHECKING:
     from ..transfer.transfer import Transfer
 
 FAR = 0.02
-"""Distance from the surface, per diagonal of the mesh's box, from which on a landmark is told to lie beside it."""
+"""Distance from the surface, per diagonal of the bounding box, above which a landmark is reported."""
 
 LISTED = 20
-"""How many names a line lists at most."""
+"""Names that a line lists at most."""
 
 
 def landmarks(
@@ -39,20 +38,20 @@ def landmarks(
     result: ResultFile,
     output: Annotated[
         Path,
-        Option("--output", "-o", metavar="OUT", help="File for the landmarks on the target, in any of these formats."),
+        Option("--output", "-o", metavar="OUT", help="File for the landmarks on the target, in one of these formats."),
     ],
-    back: Annotated[bool, Option("--back", help="From the target to the source.")] = False,
+    back: Back = False,
     specimen: Annotated[
-        str | None, Option(metavar="NAME", help="Which of several specimens in FILE, by name or by number from 0.")
+        str | None, Option(metavar="NAME", help="Specimen to take if FILE has several, by name or by number from 0.")
     ] = None,
     coordinate_system: System = "LPS",
     no_cache: NoCache = False,
     quiet: Quiet = False,
     verbose: Verbose = False,
 ) -> None:
-    """Carry landmarks from one matched shape to the other, by the dense map.
+    """Transfer landmarks from one matched shape to the other by the dense map.
 
-    Each is moved to the nearest point of the surface first. Those without counterpart are left out.
+    Each landmark is first moved to the nearest point of its surface. Landmarks without counterpart are left out.
     """
     from ..errors import NothingFoundError
     from ..landmarks.formats import landmark_writer, read_landmarks
@@ -60,50 +59,50 @@ def landmarks(
 
     check_output("--output", output, [given, result])
     check_system(coordinate_system)
-    make = landmark_writer(output)
+    write_landmarks = landmark_writer(output)
     marks = read_landmarks(given, specimen, coordinate_system=coordinate_system)
     with Reporter(quiet, verbose) as reporter:
         import numpy as np
 
         if marks.points is not None:
-            marks = _kept(marks, ~np.isnan(marks.points).any(axis=1), "missing in the file", reporter)
-        surface_map = load_map(result, reporter, cache=not no_cache)
+            marks = _select(marks, ~np.isnan(marks.points).any(axis=1), "missing in the file", reporter)
+        surface_map = load_map(result, reporter, cache=not no_cache, back=back)
 
         from ..transfer.transfer import Transfer
 
-        carrier = Transfer(surface_map.inverse if back else surface_map)
-        carried, apart = carrier.landmarks(marks)
-        _tell_far(marks, apart, carrier, reporter)
-        carried = _kept(carried, carried.vertices >= 0, "without counterpart", reporter)
-        if not len(carried):
-            raise NothingFoundError(f"{given}: none of its landmarks has a counterpart on {carrier.target.name}")
-        ends = "target -> source" if back else "source -> target"
-        comment = f"mobius-match; landmarks of {given.name} carried {ends} onto {carrier.target.name}"
-        write(output, make([replace(carried, specimen=carrier.target.name)], comment, coordinate_system))
-        reporter.notes([f"{len(carried)} landmarks on {carrier.target.name} written to {output}"])
+        transfer = Transfer(surface_map)
+        images, distances = transfer.landmarks(marks)
+        _report_far(marks, distances, transfer, reporter)
+        images = _select(images, images.vertices >= 0, "without counterpart", reporter)
+        if not len(images):
+            raise NothingFoundError(f"{given}: none of its landmarks has a counterpart on {transfer.target.name}")
+        direction = "target -> source" if back else "source -> target"
+        comment = f"mobius-match; landmarks of {given.name} transferred {direction} to {transfer.target.name}"
+        write(output, write_landmarks([replace(images, specimen=transfer.target.name)], comment, coordinate_system))
+        reporter.notes([f"{len(images)} landmarks on {transfer.target.name} written to {output}"])
 
 
-def _kept(marks: Landmarks, kept: np.ndarray, why: str, reporter: Reporter) -> Landmarks:
-    """Those that are kept; a line tells which are not."""
-    if not kept.all():
-        reporter.notes([f"left out, {why}: {_listed(marks[~kept].names)}"])
-    return marks[kept]
+def _select(marks: Landmarks, selected: np.ndarray, reason: str, reporter: Reporter) -> Landmarks:
+    """The selected landmarks; a line lists the others."""
+    if not selected.all():
+        reporter.notes([f"left out, {reason}: {_listed(marks[~selected].names)}"])
+    return marks[selected]
 
 
 def _listed(names: list[str]) -> str:
     return ", ".join(names[:LISTED]) + (f" and {len(names) - LISTED} more" if len(names) > LISTED else "")
 
 
-def _tell_far(marks: Landmarks, apart: np.ndarray, carrier: Transfer, reporter: Reporter) -> None:
-    """A line on the landmarks that lie beside the surface."""
+def _report_far(marks: Landmarks, distances: np.ndarray, transfer: Transfer, reporter: Reporter) -> None:
+    """A line on the landmarks that do not lie on the surface."""
     import numpy as np
 
-    far = apart > FAR * float(np.linalg.norm(np.ptp(carrier.source.vertices, axis=0)))
+    far = distances > FAR * float(np.linalg.norm(np.ptp(transfer.source.vertices, axis=0)))
     if far.any():
         reporter.notes(
             [
-                f"{int(far.sum())} of {len(marks)} landmarks lie beside {carrier.source.name}, by up to "
-                f"{apart.max():.3g} in its units ({_listed(marks[far].names)}): are they placed on this mesh, in its "
-                "units and coordinates?"
+                f"{int(far.sum())} of {len(marks)} landmarks lie up to {distances.max():.3g} units off the surface of "
+                f"{transfer.source.name} ({_listed(marks[far].names)}): check that they belong to this mesh, in its "
+                "units and its coordinate system"
             ]
         )

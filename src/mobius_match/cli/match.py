@@ -2,27 +2,23 @@
 
 from __future__ import annotations
 
-import io
 from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 from typer import Argument, Option
 
+from ..settings import make_settings
 from .common import Reporter, say
-from .config import merge, read_config
-from .output import ROWS, STDOUT, check_output, others_of, print_table, to_json, write
+from .config import given_settings
+from .options import Config, Geodesics, NoCache, Preset, Quiet, Samples, Seed, Threads, Triangulation, Verbose, Votes
+from .output import ROWS, STDOUT, check_output, check_outputs, number_omitted, print_table, to_json, write
+from .results import draw
 
 if TYPE_CHECKING:
     from rich.table import Table
 
     from ..results.correspondence import Correspondence
-
-Quiet = Annotated[bool, Option("--quiet", "-q", help="Show results and errors only.")]
-Verbose = Annotated[bool, Option("--verbose", "-v", help="Show timings, and the traceback of an error.")]
-NoCache = Annotated[
-    bool, Option("--no-cache", help="Prepare meshes anew; neither look for prepared ones nor keep them.")
-]
 
 
 def match(
@@ -40,46 +36,45 @@ def match(
             "--output",
             "-o",
             metavar="FILE",
-            help="Write the result: .json, or .csv and the other formats of 'mobius convert'; "
-            "'-' is standard output, as JSON.",
+            help="Write the result as .json, .csv or another format of 'mobius convert'; '-' prints JSON.",
         ),
     ] = None,
     dense: Annotated[
         Path | None,
         Option(
             metavar="FILE",
-            help="Write the target vertex of every source vertex, a line each, -1 for none; as .npz all of the map.",
+            help="Write the dense map: one line per source vertex with its target vertex, or -1 for none. "
+            "A .npz file holds the exact positions too.",
         ),
     ] = None,
-    picture: Annotated[Path | None, Option(metavar="FILE.png", help="Draw the matches on both surfaces.")] = None,
+    picture: Annotated[Path | None, Option(metavar="FILE.png", help="Draw both surfaces with their matches.")] = None,
     html: Annotated[
         Path | None,
-        Option(metavar="FILE.html", help="Write a page that shows both shapes and their matches, and --dense too."),
+        Option(
+            metavar="FILE.html",
+            help="Write an interactive page with both shapes and their matches; with --dense also the dense map.",
+        ),
     ] = None,
     json: Annotated[bool, Option("--json", help="Print the result as JSON instead of a table.")] = False,
     landmarks: Annotated[
         list[Path] | None,
         Option(
             metavar="FILE",
-            help="Pairs that you know: a table with columns source and target (vertices from 0), or given twice, the "
-            "source's and the target's landmarks (.mrk.json, .fcsv, .tps, .pts, .pp, .csv ...), paired by name.",
+            help="Known pairs: a table with the columns source and target (vertex numbers from 0). Or, given twice, "
+            "landmarks of the source and of the target (.mrk.json, .fcsv, .tps, .pts, .pp, .csv ...), paired by name.",
         ),
     ] = None,
-    samples: Annotated[int | None, Option(metavar="N", help="Sample points on each surface.  [default: 100]")] = None,
-    votes: Annotated[
-        int | None, Option(metavar="N", help="Triplets to evaluate.  [default: the program's choice]")
-    ] = None,
+    samples: Samples = None,
+    votes: Votes = None,
     proposal: Annotated[
         str | None,
         Option(
             metavar="guided|uniform",
-            help="How triplets are drawn; 'uniform' is the paper's.  [default: guided]",
+            help="How triplets are drawn: guided by geodesic distances, or uniformly as in the paper.  "
+            "[default: guided]",
         ),
     ] = None,
-    preset: Annotated[
-        str | None,
-        Option(metavar="paper", help="The paper's published settings, all at once; options given besides it win."),
-    ] = None,
+    preset: Preset = None,
     distance: Annotated[
         str | None,
         Option(metavar="euclidean|spherical", help="Distance between mapped points.  [default: euclidean]"),
@@ -88,51 +83,45 @@ def match(
         float | None,
         Option(
             metavar="F",
-            help="The paper's K as a fraction of the samples: a triplet with fewer mutually nearest pairs "
-            "does not vote.  [default: 0.4 for uniform proposals, 0 for guided]",
+            help="The paper's K as a fraction of the samples: triplets with fewer mutually nearest pairs do not "
+            "vote.  [default: 0.4 for uniform proposals, 0 for guided]",
         ),
     ] = None,
-    geodesics: Annotated[
-        str | None,
-        Option(metavar="heat|dijkstra", help="How geodesic distances are computed.  [default: heat]"),
-    ] = None,
-    triangulation: Annotated[
-        str | None,
-        Option(
-            metavar="delaunay|mesh",
-            help="Flatten the intrinsic Delaunay triangulation or the mesh's own.  [default: delaunay]",
-        ),
-    ] = None,
+    geodesics: Geodesics = None,
+    triangulation: Triangulation = None,
     assignment: Annotated[
         str | None,
-        Option(metavar="greedy|linear", help="How matches are read off the votes.  [default: greedy]"),
+        Option(
+            metavar="greedy|linear",
+            help="How matches are extracted from the votes: one after the other, or all at once as a linear "
+            "assignment.  [default: greedy]",
+        ),
     ] = None,
     threshold: Annotated[
         float | None,
         Option(
             metavar="S",
-            help="Least confidence (0 to 1): with guided proposals matches below are left out, with uniform ones "
-            "they need the support of others.  [default: 0.5, and 0.1]",
+            help="Minimum confidence (0 to 1). Matches below it are dropped (with --proposal uniform: kept only if "
+            "neighbouring matches support them).  [default: 0.5; 0.1 for uniform]",
         ),
     ] = None,
     spacing: Annotated[
         float | None,
         Option(
             metavar="S",
-            help="Distance per sqrt(area) that matches beyond the samples keep from these and from each other "
-            "(0 to 0.2); 0.2 leaves the samples alone.  [default: 0.025]",
+            help="Minimum distance of the extra matches from the samples and from each other, in units of "
+            "sqrt(area) (0 to 0.2). 0.2: samples only.  [default: 0.025]",
         ),
     ] = None,
-    seed: Annotated[
-        int | None, Option(metavar="N", help="Same seed, same result, whatever --jobs.  [default: 0]")
-    ] = None,
-    jobs: Annotated[int | None, Option(metavar="N", help="Threads.  [default: every processor]")] = None,
-    config: Annotated[
-        Path | None,
-        Option(metavar="FILE", help="TOML file with settings by the names above; options here win over it."),
-    ] = None,
+    seed: Seed = None,
+    jobs: Threads = None,
+    config: Config = None,
     alternatives: Annotated[
-        bool, Option("--alternatives", help="Write the other explanations into the JSON, with their matches.")
+        bool,
+        Option(
+            "--alternatives",
+            help="Add the other plausible alignments of the two shapes, with their matches, to the JSON.",
+        ),
     ] = False,
     no_cache: NoCache = False,
     quiet: Quiet = False,
@@ -140,29 +129,30 @@ def match(
 ) -> None:
     """Find corresponding vertices of two meshes.
 
-    The first matches are printed as a table (with --json or '-o -' all as JSON), highest confidence first.
-    Vertices are numbered from 0, as in the files.
+    Prints the most confident matches as a table (with --json or '-o -' all matches as JSON). Vertices are numbered
+    from 0, in the order of the files.
     """
-    options = {
-        "samples": samples,
-        "votes": votes,
-        "proposal": proposal,
-        "preset": preset,
-        "distance": distance,
-        "min_fraction": min_fraction,
-        "geodesics": geodesics,
-        "triangulation": triangulation,
-        "assignment": assignment,
-        "threshold": threshold,
-        "spacing": spacing,
-        "seed": seed,
-        "jobs": jobs,
-    }
-    given = {name: value for name, value in options.items() if value is not None}
-    settings = merge(read_config(config) if config else {}, given)
+    settings = given_settings(
+        config,
+        samples=samples,
+        votes=votes,
+        proposal=proposal,
+        preset=preset,
+        distance=distance,
+        min_fraction=min_fraction,
+        geodesics=geodesics,
+        triangulation=triangulation,
+        assignment=assignment,
+        threshold=threshold,
+        spacing=spacing,
+        seed=seed,
+        jobs=jobs,
+    )
+    make_settings(**settings)  # checked before any mesh is read
+    inputs = source, target, *(landmarks or ())
     outputs = {"--output": output, "--dense": dense, "--picture": picture, "--html": html}
-    _check(settings, outputs, (source, target, *(landmarks or ())))
-    as_json = _check_format(output, alternatives and not json, (source, target, *(landmarks or ())))
+    check_outputs(outputs, inputs, {"--picture": ".png", "--html": ".html"})
+    _check_format(output, alternatives and not json, inputs)
 
     with Reporter(quiet, verbose) as reporter:
         result = run_match(source, target, reporter, settings, cache=not no_cache, landmarks=landmarks or None)
@@ -177,11 +167,7 @@ def match(
             write(html, page(result, dense=None if dense is None else result.dense()).encode())
             reporter.notes([f"page written to {html}"])
         if output is not None and output != STDOUT:
-            files = [output]
-            if as_json:
-                write(output, to_json(result.to_dict(alternatives=alternatives)))
-            else:
-                files = result.export(output)
+            files = _write_result(result, output, alternatives)
             reporter.notes([f"{len(result)} correspondences written to {' and '.join(map(str, files))}"])
     if verbose:
         for name, seconds in result.timings.items():
@@ -203,7 +189,7 @@ def run_match(
     cache: bool = False,
     landmarks: list[Path] | None = None,
 ) -> Correspondence:
-    """Match two files with progress, and with what was noted on the way shown."""
+    """Match two files, with progress and the notes and warnings of the result on standard error."""
     from ..matching.match import match as match_surfaces
 
     with reporter.compiling():
@@ -214,69 +200,48 @@ def run_match(
     return result
 
 
-def draw(result: Correspondence, **options: Any) -> bytes:
-    """The picture of the matches, as the bytes of a PNG file."""
-    from ..exporting.figures import draw_matches
-
-    picture = io.BytesIO()
-    draw_matches(result, picture, **options)
-    return picture.getvalue()
-
-
 def write_map(result: Correspondence, path: Path) -> str:
-    """Write the dense map; the line that says so, and how good it looks."""
+    """Write the dense map; the line that reports it and its quality."""
     from ..evaluation.quality import quality
 
-    found = result.dense()
-    write(path, found.to_npz() if path.suffix.lower() == ".npz" else found.text().encode())
-    return f"dense map written to {path}: {quality(found)}"
+    surface_map = result.dense()
+    write(path, surface_map.to_npz() if path.suffix.lower() == ".npz" else surface_map.text().encode())
+    return f"dense map written to {path}: {quality(surface_map)}"
 
 
-def _check(settings: dict[str, Any], outputs: dict[str, Path | None], inputs: tuple[Path, ...]) -> None:
-    from ..errors import SettingsError
-    from ..settings import make_settings
-
-    make_settings(**settings)
-    seen: dict[Path, str] = {}
-    for option, path in outputs.items():
-        if path is None:
-            continue
-        ending = {"--picture": ".png", "--html": ".html"}.get(option, "")
-        if ending and path.suffix.lower() != ending:
-            raise SettingsError(f"{option}: {path} is not a {ending} file; name it so.")
-        check_output(option, path, inputs)
-        other = seen.setdefault(path.resolve(), option)
-        if other != option:
-            raise SettingsError(f"{option}: {path} is the {other} too; name another file.")
-
-
-def _check_format(output: Path | None, alternatives: bool, inputs: tuple[Path, ...]) -> bool:
-    """Whether the output is JSON; other formats, and alternatives that no file would hold, are checked."""
+def _check_format(output: Path | None, alternatives: bool, inputs: tuple[Path, ...]) -> None:
+    """Check a file of another format than JSON, which cannot hold alternatives."""
     from ..errors import SettingsError
     from ..results.actions import is_result_file
 
     if output is None or output == STDOUT or is_result_file(output):
-        return True
+        return
     from ..exporting.formats import outputs_of
 
     if alternatives:
         raise SettingsError(f"--alternatives: {output} cannot hold them; name a .json file, or print them with --json.")
     for path in outputs_of(output, None, None):
         check_output("--output", path, inputs)
-    return False
+
+
+def _write_result(result: Correspondence, output: Path, alternatives: bool) -> list[Path]:
+    """Write the result in the format of the file's ending; the files that were written."""
+    from ..results.actions import is_result_file
+
+    if not is_result_file(output):
+        return result.export(output)
+    write(output, to_json(result.to_dict(alternatives=alternatives)))
+    return [output]
 
 
 def _table(result: Correspondence) -> Table:
     from rich.table import Table
 
-    others = others_of(len(result))
-    caption = others and f"{others}: -o FILE writes all, --json prints them"
+    omitted = number_omitted(len(result))
+    caption = omitted and f"{omitted}: -o FILE writes all, --json prints them"
     table = Table(title=f"{len(result)} correspondences", caption=caption, title_justify="left", caption_justify="left")
     names = (Path(info["path"] or "array").name for info in (result.source_info, result.target_info))
-    for heading in (
-        "",
-        *(f"{role} vertex\n{name}" for role, name in zip(("source", "target"), names, strict=True)),
-    ):
+    for heading in ("", *(f"{role} vertex\n{name}" for role, name in zip(("source", "target"), names, strict=True))):
         table.add_column(heading, justify="right")
     table.add_column("confidence", justify="right")
     table.add_column("kind")

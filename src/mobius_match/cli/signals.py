@@ -1,4 +1,4 @@
-"""How the command ends when it is interrupted."""
+"""Exit codes and messages after Ctrl-C and SIGTERM."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from types import FrameType
 
 
 class Terminated(KeyboardInterrupt):
-    """The process was asked to end (SIGTERM); handled like Ctrl-C, so that nothing half-written stays."""
+    """The process was asked to end (SIGTERM). It is handled like Ctrl-C, so that no half-written file is left."""
 
 
 def terminate(_signal: int, _frame: FrameType | None) -> None:
@@ -15,5 +15,5 @@ def terminate(_signal: int, _frame: FrameType | None) -> None:
 
 
 def stopped(error: KeyboardInterrupt) -> tuple[int, str]:
-    """Exit code, as shells report it, and last line after an interruption."""
+    """The exit code, as shells report it, and the last message after an interruption."""
     return (128 + 15, "terminated") if isinstance(error, Terminated) else (130, "interrupted")

@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 from typer import Argument, Option
 
+from ..results.actions import check_json
+from ..settings import make_settings
 from .common import Reporter, say
-from .match import NoCache, Quiet, Verbose, draw
-from .output import STDOUT, check_output, print_table, to_json, write
+from .config import given_settings
+from .options import Geodesics, NoCache, Quiet, Samples, Seed, Threads, Triangulation, Verbose, Votes
+from .output import STDOUT, check_outputs, print_table, to_json, write
+from .results import draw
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -18,55 +22,39 @@ if TYPE_CHECKING:
 
 
 def symmetry(
-    mesh: Annotated[Path, Argument(metavar="MESH", help="Mesh file, or one of 'mobius prepare'.")],
+    mesh: Annotated[Path, Argument(metavar="MESH", help="Mesh file, or file of 'mobius prepare'.")],
     output: Annotated[
         Path | None,
         Option("--output", "-o", metavar="FILE", help="Write the result as JSON; '-' is standard output."),
     ] = None,
     picture: Annotated[
         Path | None,
-        Option(metavar="FILE.png", help="Draw the mesh twice: what has one colour left and right is mirrored."),
+        Option(metavar="FILE.png", help="Draw the mesh twice, with mirrored points in the same colour."),
     ] = None,
     json: Annotated[bool, Option("--json", help="Print the result as JSON instead of a table.")] = False,
-    samples: Annotated[int | None, Option(metavar="N", help="Sample points.  [default: 100]")] = None,
-    votes: Annotated[
-        int | None, Option(metavar="N", help="Triplets to evaluate.  [default: the program's choice]")
-    ] = None,
-    geodesics: Annotated[
-        str | None,
-        Option(metavar="heat|dijkstra", help="How geodesic distances are computed.  [default: heat]"),
-    ] = None,
-    triangulation: Annotated[
-        str | None,
-        Option(
-            metavar="delaunay|mesh",
-            help="Flatten the intrinsic Delaunay triangulation or the mesh's own.  [default: delaunay]",
-        ),
-    ] = None,
-    seed: Annotated[
-        int | None, Option(metavar="N", help="Same seed, same result, whatever --jobs.  [default: 0]")
-    ] = None,
-    jobs: Annotated[int | None, Option(metavar="N", help="Threads.  [default: every processor]")] = None,
+    samples: Samples = None,
+    votes: Votes = None,
+    geodesics: Geodesics = None,
+    triangulation: Triangulation = None,
+    seed: Seed = None,
+    jobs: Threads = None,
     no_cache: NoCache = False,
     quiet: Quiet = False,
     verbose: Verbose = False,
 ) -> None:
-    """Find the mirror symmetry of one mesh in any pose: left against right.
+    """Find the intrinsic left-right symmetry of one mesh, in any pose.
 
-    The pairs of mirrored vertices are printed as a table (with --json or '-o -' as JSON), highest confidence
-    first, with a score from 0 to 1 (perfectly symmetric) and, in the JSON, the vertices that stay in place.
-    Vertices are numbered from 0, as in the file.
+    Prints the pairs of mirrored vertices as a table (with --json or '-o -' as JSON), most confident first, and a
+    score from 0 to 1 (perfectly symmetric). The JSON also lists the vertices that are mapped to themselves. Vertices
+    are numbered from 0, in the order of the file.
     """
-    options = {
-        "samples": samples,
-        "votes": votes,
-        "geodesics": geodesics,
-        "triangulation": triangulation,
-        "seed": seed,
-        "jobs": jobs,
-    }
-    settings: dict[str, Any] = {name: value for name, value in options.items() if value is not None}
-    _check(settings, output, picture, mesh)
+    settings = given_settings(
+        samples=samples, votes=votes, geodesics=geodesics, triangulation=triangulation, seed=seed, jobs=jobs
+    )
+    make_settings(**settings)  # checked before the mesh is read
+    if output is not None and output != STDOUT:
+        check_json(output)
+    check_outputs({"--output": output, "--picture": picture}, [mesh], {"--picture": ".png"})
 
     from ..matching.symmetry.symmetry import symmetry as find_symmetry
 
@@ -89,26 +77,8 @@ def symmetry(
         print_table(_table(result))
 
 
-def _check(settings: dict[str, Any], output: Path | None, picture: Path | None, mesh: Path) -> None:
-    from ..errors import SettingsError
-    from ..results.actions import check_json
-    from ..settings import make_settings
-
-    make_settings(**settings)
-    if output is not None:
-        check_output("--output", output, [mesh])
-    if picture is not None:
-        if picture.suffix.lower() != ".png":
-            raise SettingsError(f"--picture: {picture} is not a .png file; name it so.")
-        check_output("--picture", picture, [mesh])
-        if output is not None and output.resolve() == picture.resolve():
-            raise SettingsError(f"--picture: {picture} is the --output too; name another file.")
-    if output is not None and output != STDOUT:
-        check_json(output)
-
-
 def _draw(result: Symmetry) -> bytes:
-    """The mesh beside itself: the points of both halves in their colours, and those of their images."""
+    """A picture of the mesh twice: the points of both halves on the left, their images on the right."""
     import numpy as np
 
     from ..results.correspondence import Correspondence
@@ -131,7 +101,7 @@ def _draw(result: Symmetry) -> bytes:
 def _table(result: Symmetry) -> Table:
     from rich.table import Table
 
-    title = f"{len(result)} pairs, score {result.score:.2f}\n{len(result.stationary)} vertices stay in place"
+    title = f"{len(result)} pairs, score {result.score:.2f}\n{len(result.stationary)} vertices map to themselves"
     table = Table(title=title, title_justify="left")
     for heading in ("", "vertex", "mirrored", "confidence"):
         table.add_column(heading, justify="right")

@@ -10,8 +10,9 @@ from typer import Argument, Option
 
 from ..errors import SettingsError
 from .common import Reporter, say
-from .match import Quiet, Verbose, draw
-from .output import STDOUT, check_output, write
+from .options import Quiet, Verbose
+from .output import STDOUT, check_outputs, write
+from .results import draw
 
 if TYPE_CHECKING:
     from ..results.correspondence import Correspondence
@@ -21,62 +22,60 @@ def view(
     result: Annotated[Path, Argument(metavar="RESULT", help="Result of 'mobius match -o'.", show_default=False)],
     output: Annotated[
         Path | None,
-        Option("--output", "-o", metavar="FILE.html", help="Write the page there, and open no browser."),
+        Option(
+            "--output", "-o", metavar="FILE.html", help="Write the page to this file instead of opening the browser."
+        ),
     ] = None,
-    with_map: Annotated[
+    dense: Annotated[
         Path | None,
-        Option("--with-map", metavar="FILE.npz", help="Show the dense map too, of 'mobius match --dense FILE.npz'."),
+        Option("--with-map", metavar="FILE.npz", help="Show this dense map too (of 'mobius match --dense FILE.npz')."),
     ] = None,
     truth: Annotated[
         Path | None,
         Option(
             metavar="FILE",
-            help="Show errors against known correspondence: lines 'SOURCE TARGET', a line for each source vertex, or "
-            "a folder or manifest of 'mobius bench' that has the pair.",
+            help="Show errors against a known correspondence: lines 'SOURCE TARGET', one line per source vertex, or "
+            "a folder or manifest of 'mobius bench' that contains the pair.",
         ),
     ] = None,
     explain: Annotated[
-        bool, Option("--explain", help="Show how the matches were found too, for which the meshes are matched again.")
+        bool, Option("--explain", help="Show the votes too. For this the meshes are matched again.")
     ] = False,
     png: Annotated[
-        Path | None, Option(metavar="FILE.png", help="Draw both shapes with their matches there; opens no browser.")
+        Path | None,
+        Option(metavar="FILE.png", help="Draw both shapes with their matches instead of opening the browser."),
     ] = None,
-    size: Annotated[str, Option(metavar="WxH", help="Of the picture, in pixels.")] = "1600x800",
+    size: Annotated[str, Option(metavar="WxH", help="Size of the picture in pixels.")] = "1600x800",
     view: Annotated[
         str | None,
         Option(
             metavar="AZ,EL",
-            help="Where to look from in the picture, in degrees: 0,0 is the front, 90,0 the shapes' left, 0,90 above.  "
-            "[default: from where most is seen]",
+            help="View direction of the picture, azimuth and elevation in degrees: 0,0 is the front, 90,0 the shapes' "
+            "left, 0,90 above.  [default: the one in which most matches are visible]",
         ),
     ] = None,
     quiet: Quiet = False,
     verbose: Verbose = False,
 ) -> None:
-    """Look at the matches of a result on both shapes, in the browser.
+    """Show the matches of a result on both shapes, in the browser.
 
-    The page is one file that needs no network. The meshes are read again from where they were.
+    The page is one file that needs no network. The meshes are read again from the paths in the result.
     """
-    inputs = [path for path in (result, with_map, truth) if path is not None]
-    for option, path, ending in (("--output", output, ".html"), ("--png", png, ".png")):
-        if path is None or (path == STDOUT and option == "--output"):
-            continue
-        if path.suffix.lower() != ending:
-            raise SettingsError(f"{option}: {path} is not a {ending} file; name it so.")
-        check_output(option, path, inputs)
+    inputs = [path for path in (result, dense, truth) if path is not None]
+    check_outputs({"--output": output, "--png": png}, inputs, {"--output": ".html", "--png": ".png"})
     pixels = _numbers("--size", size, "x", int)
     direction = None if view is None else _numbers("--view", view, ",", float)
 
     from ..results.correspondence import Correspondence
 
     with Reporter(quiet, verbose) as reporter:
-        found = Correspondence.load(result)
+        loaded = Correspondence.load(result)
         if png is not None:
-            write(png, draw(found, size=pixels, view=direction))
+            write(png, draw(loaded, size=pixels, view=direction))
             reporter.notes([f"picture written to {png}"])
             if output is None:
                 return
-        content = _page(found, with_map, truth, explain, reporter)
+        content = _page(loaded, dense, truth, explain, reporter)
     if output is not None:
         write(output, content.encode())
         if not quiet and output != STDOUT:
@@ -91,14 +90,14 @@ def view(
         say(f"opened {path}")
 
 
-def _page(result: Correspondence, with_map: Path | None, truth: Path | None, explain: bool, reporter: Reporter) -> str:
+def _page(result: Correspondence, dense: Path | None, truth: Path | None, explain: bool, reporter: Reporter) -> str:
     """The page, the text of an HTML file."""
     import numpy as np
 
     from ..results.surface_map import SurfaceMap
     from ..viewer import page
 
-    dense = None if with_map is None else SurfaceMap.load(with_map)
+    surface_map = None if dense is None else SurfaceMap.load(dense)
     known = None
     if truth is not None:
         from ..evaluation import read_truth
@@ -111,15 +110,15 @@ def _page(result: Correspondence, with_map: Path | None, truth: Path | None, exp
         with reporter.compiling():
             again = rematch(result, cache=True, progress=reporter.progress)
         if not np.array_equal(again.pairs, result.pairs):
-            reporter.notes(["matching again gave other matches: another version of the program made the result"])
+            reporter.notes(["matching again gave different matches: the result is from another version of the program"])
         result = replace(result, source=again.source, target=again.target, votes=again.votes)
-    return page(result, dense=dense, truth=known)
+    return page(result, dense=surface_map, truth=known)
 
 
-def _numbers(option: str, text: str, between: str, kind: type[int] | type[float]) -> tuple[Any, Any]:
+def _numbers(option: str, text: str, separator: str, kind: type[int] | type[float]) -> tuple[Any, Any]:
     try:
-        first, second = (kind(part) for part in text.lower().split(between))
+        first, second = (kind(part) for part in text.lower().split(separator))
     except ValueError:
-        example = "1600x800" if between == "x" else "30,15"
+        example = "1600x800" if separator == "x" else "30,15"
         raise SettingsError(f"{option}: {text!r} is not two numbers, as in {example}.") from None
     return first, second

@@ -1,7 +1,7 @@
-"""A page with both shapes and their matches, to turn and to look through: one file that needs no network.
+"""An interactive page with both shapes and their matches: one file that needs no network.
 
-The script, ``viewer.js``, is built from ``viewer/`` at the root of the repository; ``shapes``, ``truth``, ``maps`` and
-``insight`` make what it shows.
+Its script, ``viewer.js``, is built from ``viewer/`` at the root of the repository. The modules ``shapes``, ``truth``,
+``maps`` and ``insight`` compute the data that it shows.
 """
 
 from __future__ import annotations
@@ -31,13 +31,13 @@ def page(result: Correspondence, *, dense: SurfaceMap | None = None, truth: Trut
     Parameters
     ----------
     result
-        A result of :func:`mobius_match.match`; for one that was loaded from a file, the meshes are read again. Its
-        alternatives can be switched to. The votes, which a loaded result lacks, are shown with the flattened samples.
+        A result of :func:`mobius_match.match`. The page can switch to its alternative alignments. For a result that was
+        loaded from a file the meshes are read again, and the votes are not shown, as the file does not hold them.
     dense
-        Its dense map (``result.dense()``): the page can then carry colours from the source to the target by it, show
-        how it distorts, and turn one shape into the other.
+        Its dense map (``result.dense()``). The page then also transfers colours from the source to the target, shows
+        the distortion of the map, and morphs one shape into the other.
     truth
-        Known correspondence of the two files, which errors are shown against.
+        Known correspondence of the two files; the page then shows errors.
 
     Returns
     -------
@@ -69,7 +69,7 @@ def page(result: Correspondence, *, dense: SurfaceMap | None = None, truth: Trut
 <title>{title}</title>
 </head>
 <body>
-<noscript>This page needs JavaScript, which is in it.</noscript>
+<noscript>This page needs JavaScript. The script is part of the file.</noscript>
 <script type="application/json" id="result">{_harmless(text)}
 </script>
 <script type="application/json" id="shapes">{_harmless(json.dumps(_content(result, dense, truth)))}</script>
@@ -85,32 +85,32 @@ def show(result: Correspondence, *, dense: SurfaceMap | None = None) -> View:
 
 
 def _harmless(text: str) -> str:
-    """JSON that cannot end the element it stands in, nor begin another."""
+    """JSON text that cannot close the HTML element that contains it, nor open another."""
     return text.replace("<", "\\u003c").replace(">", "\\u003e").replace("&", "\\u0026")
 
 
 def _content(result: Correspondence, dense: SurfaceMap | None, truth: Truth | None) -> dict[str, Any]:
-    """What is shown, as JSON-able values; viewer/data.js reads it."""
+    """The data of the page as JSON-able values, which viewer/data.js reads."""
     sides, radius = shapes.sides_of(result)
     content = shapes.content(result, sides, radius)
-    explanations: list[Correspondence | Alternative] = [result, *result.alternatives]
+    alignments: list[Correspondence | Alternative] = [result, *result.alternatives]
     if truth is not None:
         from .truth import SCALE, WORST, Errors
 
         content["errors"] = {"worst": WORST, "scale": SCALE}
         errors = Errors(truth, sides)
-        for shown, matches in zip(content["explanations"], explanations, strict=True):
-            shown |= errors.of_matches(matches)
+        for packed, alignment in zip(content["alignments"], alignments, strict=True):
+            packed |= errors.of_matches(alignment)
     if dense is not None:
         from .maps import add_map
 
-        add_map(content, sides, dense, explanations)
+        add_map(content, sides, dense, alignments)
         if truth is not None:
             content["colourings"].append(errors.of_map(dense))
     if result.votes is not None and result.source is not None and result.target is not None:
         from .insight import insight
 
-        found = insight(result.source, result.target, result.votes, result.pairs)
-        if found is not None:
-            content["insight"] = found
+        votes = insight(result.source, result.target, result.votes, result.pairs)
+        if votes is not None:
+            content["insight"] = votes
     return content

@@ -1,4 +1,4 @@
-"""How the matches were found: the flattened samples under the best triplet, and the fuzzy correspondence matrix."""
+"""The votes: the flattened samples under the best triplet, and the fuzzy correspondence matrix."""
 
 from __future__ import annotations
 
@@ -18,45 +18,45 @@ if TYPE_CHECKING:
     from ..voting.votes import Votes
 
 STEPS = 65535
-"""Steps of a share of the votes."""
+"""Steps to which shares of the votes are quantised."""
 NEAR = 0.15
-"""Distance per root of the area up to which a triplet agrees with a match."""
+"""Geodesic distance, per sqrt(area), up to which a triplet agrees with a match."""
 
 
 def insight(source: Surface, target: Surface, votes: Votes, pairs: np.ndarray) -> dict[str, Any] | None:
-    """What the page shows of the voting, as JSON-able values.
+    """The voting for the page, as JSON-able values.
 
     Parameters
     ----------
     source, target
         The prepared surfaces, of N1 and N2 samples.
     votes
-        What was cast on them.
+        The votes that were cast.
     pairs
-        (Q, 2) matches in the user's numbers; the triplet that agrees with most of them is shown.
+        (Q, 2) matches, as vertex numbers of the files. The triplet that agrees with most of them is shown.
 
     Returns
     -------
     dict or None
-        None where no triplet can be shown: too few votes, or samples that coincide in the plane. Else
-        ``samples``: the user's numbers of both sides' samples. ``planes``: where they lie in the plane, moved so that
-        the ``triplet`` comes to lie on an equilateral triangle, and 1 / (1 + r) times as far out, which shows the
-        whole plane in a disc of radius 1. ``paired``: (N1,) target sample of each source sample that is mutually
-        nearest there, -1 for none. ``matrix``: C by its largest value; ``rows`` and ``columns``: its samples in the
-        order shown, in which what belongs together lies near the diagonal.
+        None if no triplet can be shown: too few votes, or samples that coincide in the plane. Otherwise:
+        ``samples``: vertex numbers of the samples of both sides. ``planes``: their positions in the plane, transformed
+        so that the ``triplet`` lies on an equilateral triangle, with radius r mapped to r / (1 + r), which shows the
+        whole plane in the unit disc. ``paired``: (N1,) the mutually nearest target sample of each source sample, -1 for
+        none. ``matrix``: C divided by its largest value. ``rows`` and ``columns``: the order in which its samples are
+        shown, with corresponding ones near the diagonal.
     """
     numbers = [surface.mesh.vertex_ids[surface.samples] for surface in (source, target)]
     positions = [surface.positions for surface in (source, target)]
     share = normalized(votes.matrix)
     if len(votes.best_source):
-        explained = mutual_pairs(*map(homogeneous, positions), votes.best_source, votes.best_target)
-        best = _agreeing(explained, target, numbers[0], pairs)
+        paired = mutual_pairs(*map(homogeneous, positions), votes.best_source, votes.best_target)
+        best = _most_agreeing(paired, target, numbers[0], pairs)
         triplets = [votes.best_source[best], votes.best_target[best]]
-    else:  # uniform triplets are not kept: the three strongest entries of C
+    else:  # uniform triplets are not stored: the three largest entries of C
         triplets = [side.copy() for side in max_row_column(votes.matrix)[0][:3].T]
         if len(triplets[0]) < 3:
             return None
-        explained, best = mutual_pairs(*map(homogeneous, positions), *(side[None] for side in triplets)), 0
+        paired, best = mutual_pairs(*map(homogeneous, positions), *(side[None] for side in triplets)), 0
     if any(len(np.unique(plane[triplet])) < 3 for plane, triplet in zip(positions, triplets, strict=True)):
         return None
     planes = [
@@ -72,7 +72,7 @@ def insight(source: Surface, target: Surface, votes: Votes, pairs: np.ndarray) -
         "samples": [side.tolist() for side in numbers],
         "planes": [packing.packed(np.stack([plane.real, plane.imag], axis=1), "<f4") for plane in planes],
         "triplet": [triplet.tolist() for triplet in triplets],
-        "paired": explained[best].tolist(),
+        "paired": paired[best].tolist(),
         "triplets": votes.n_triplets,
         "rows": rows.tolist(),
         "columns": columns.tolist(),
@@ -80,20 +80,20 @@ def insight(source: Surface, target: Surface, votes: Votes, pairs: np.ndarray) -
     }
 
 
-def _agreeing(explained: np.ndarray, target: Surface, numbers: np.ndarray, pairs: np.ndarray) -> int:
-    """Which triplet pairs most samples (B, N1) with a target sample near the match that was found."""
+def _most_agreeing(paired: np.ndarray, target: Surface, numbers: np.ndarray, pairs: np.ndarray) -> int:
+    """The triplet of those with samples ``paired`` (B, N1) that pairs most samples with one near their match."""
     whole = target.whole_mesh
-    places = whole.vertices[vertices_numbered(whole, pairs[:, 1])]
-    nearest = cKDTree(target.mesh.vertices[target.samples]).query(places)[1]
-    goal = np.full(explained.shape[1], -1)
+    positions = whole.vertices[vertices_numbered(whole, pairs[:, 1])]
+    nearest = cKDTree(target.mesh.vertices[target.samples]).query(positions)[1]
+    matched = np.full(paired.shape[1], -1)
     sample, match = np.nonzero(numbers[:, None] == pairs[:, 0])
-    goal[sample] = nearest[match]
-    agree = (explained >= 0) & (goal >= 0) & (target.normalized_distances[explained, goal] < NEAR)
+    matched[sample] = nearest[match]
+    agree = (paired >= 0) & (matched >= 0) & (target.normalized_distances[paired, matched] < NEAR)
     return int(agree.sum(axis=1).argmax())
 
 
 def _in_disc(plane: np.ndarray) -> np.ndarray:
-    """Points of the extended plane in the disc: directions stay, infinity is the rim."""
+    """Map the extended plane to the unit disc, r to r / (1 + r); infinity is on the circle."""
     finite = np.isfinite(plane)
     inside = np.where(finite, plane, 0)
     return np.where(finite, inside / (1 + np.abs(inside)), 1)

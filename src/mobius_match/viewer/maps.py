@@ -1,4 +1,4 @@
-"""What a dense map shows: colours and textures carried along it, how it distorts, and one shape becoming the other."""
+"""What the page shows of a dense map: transferred colours and textures, its distortion, and the morph."""
 
 from __future__ import annotations
 
@@ -26,109 +26,112 @@ if TYPE_CHECKING:
     from ..results.matches import Alternative
 
 FRAMES = 9
-"""Shapes of the morph, both ends among them; the page takes straight lines between them."""
+"""Shapes of the morph, including both ends; the page interpolates linearly between them."""
 TEXTURE = 1024
-"""Pixels along the longer side of a texture at most."""
-SPREAD = 0.1
-"""Mean change of distances, per root of the area, at which the colours end."""
+"""Pixels at most along the longer side of a texture."""
+MAX_CHANGE = 0.1
+"""Mean change of distances, per sqrt(area), at the end of the colour scale."""
 
 
 def add_map(
-    content: dict[str, Any], sides: list[Side], dense: SurfaceMap, explanations: Sequence[Correspondence | Alternative]
+    content: dict[str, Any], sides: list[Side], dense: SurfaceMap, alignments: Sequence[Correspondence | Alternative]
 ) -> None:
-    """Add to the content of a page what the map shows.
+    """Add what the map shows to the content of a page.
 
     Raises
     ------
     MeshError
-        If the map is of other meshes.
+        If the map is between other meshes.
     """
     if any(
-        (mine.sha256, len(mine.vertices)) != (side.mesh.sha256, len(side.mesh.vertices))
-        for mine, side in zip((dense.source, dense.target), sides, strict=True)
+        (mesh.sha256, len(mesh.vertices)) != (side.mesh.sha256, len(side.mesh.vertices))
+        for mesh, side in zip((dense.source, dense.target), sides, strict=True)
     ):
         raise MeshError("`dense` is a map between other meshes than those of the result; compute it from this result")
-    carried = _both(sides, dense, colours_of(sides[0].shape.vertices))
-    note = "Equal colours correspond by the dense map; grey has no counterpart."
+    colours = _colours(sides, dense, colours_of(sides[0].shape.vertices))
+    note = "Points of the same colour correspond by the dense map; grey points have no counterpart."
     content["colourings"] += [
-        {"name": "Colours by place", "colours": carried, "note": note},
-        {"name": "Squares", "checker": True, "like": 0, "note": note},
+        {"name": "Position", "colours": colours, "note": note},
+        {"name": "Checkerboard", "checker": True, "like": 0, "note": note},
         *_appearance(content, sides, dense),
         *_distortions(sides, dense),
     ]
     for side, origins in zip(content["sides"], _origins(sides, dense), strict=True):
         side["origins"] = origins
     if dense.source_mapped.any():
-        _add_morph(content, sides, dense, explanations)
+        _add_morph(content, sides, dense, alignments)
 
 
-def _both(sides: list[Side], dense: SurfaceMap, values: np.ndarray) -> list[str]:
-    """Colours (n1, 3) of the source's vertices, and of the target's by the map."""
-    return [packing.colours(found) for found in _carried(sides, dense, values)]
+def _colours(sides: list[Side], dense: SurfaceMap, colours: np.ndarray) -> list[str]:
+    """Packed colours of the source's vertices (n1, 3), and of the target's by the map."""
+    return [packing.colours(of_side) for of_side in _on_both(sides, dense, colours)]
 
 
-def _carried(sides: list[Side], dense: SurfaceMap, values: np.ndarray) -> list[np.ndarray]:
-    there = dense.source_points.values(values)
-    there[~dense.target_mapped] = np.nan
-    return [found[side.kept] for found, side in zip((values, there), sides, strict=True)]
+def _on_both(sides: list[Side], dense: SurfaceMap, values: np.ndarray) -> list[np.ndarray]:
+    """Values of the source's vertices, and of the target's by the map, at the drawn vertices of both."""
+    on_target = dense.source_points.values(values)
+    on_target[~dense.target_mapped] = np.nan
+    return [of_side[side.kept] for of_side, side in zip((values, on_target), sides, strict=True)]
 
 
 def _distortions(sides: list[Side], dense: SurfaceMap) -> list[dict[str, Any]]:
-    found = quality(dense)
+    distortion = quality(dense)
     return [
         {
             "name": name,
             "note": note,
             "scale": {"labels": labels, "colours": scale},
-            "values": [packing.shades(values) for values in _carried(sides, dense, along)],
+            "values": [packing.shades(values) for values in _on_both(sides, dense, fractions)],
         }
-        for name, along, labels, scale, note in (
+        for name, fractions, labels, scale, note in (
             (
-                "Change of area",
-                (found.area + 1) / 2,
+                "Area distortion",
+                (distortion.area + 1) / 2,
                 ["half", "equal", "double"],
                 packing.DIVERGING,
-                "Area on the target over area on the source, if both had the same area as a whole.",
+                "Area on the target divided by area on the source, with both surfaces scaled to the same total area.",
             ),
             (
-                "Change of angles",
-                found.angle / 2,
-                ["circles", "1 : 2", "1 : 4"],
+                "Angle distortion",
+                distortion.angle / 2,
+                ["1 : 1", "1 : 2", "1 : 4"],
                 packing.RISING,
-                "Shape of the image of a small circle: its shorter to its longer axis.",
+                "Anisotropy: ratio of the axes of the ellipse that a small circle is mapped to.",
             ),
             (
-                "Change of distances",
-                found.geodesic / SPREAD,
-                ["0", f"{SPREAD / 2:g}", f"{SPREAD:g} or more"],
+                "Distance distortion",
+                distortion.geodesic / MAX_CHANGE,
+                ["0", f"{MAX_CHANGE / 2:g}", f"{MAX_CHANGE:g} or more"],
                 packing.RISING,
-                "Mean change of geodesic distances to landmarks, as a part of the root of the area.",
+                "Mean change of the geodesic distances to reference points, in units of sqrt(area).",
             ),
         )
     ]
 
 
 def _origins(sides: list[Side], dense: SurfaceMap) -> list[str]:
-    """Where each drawn vertex comes from on the source, in a box of side 1; none where nothing corresponds."""
+    """The position of each drawn vertex on the source, in a box of side 1; none where nothing corresponds."""
     box = dense.source.vertices - dense.source.vertices.min(axis=0)
-    origins = _carried(sides, dense, box / box.max())
+    origins = _on_both(sides, dense, box / box.max())
     origins[0][~dense.source_mapped[sides[0].kept]] = np.nan
     return [
-        packing.packed(np.where(np.isnan(one), packing.STEPS + 1, np.round(np.nan_to_num(one) * packing.STEPS)), "<u2")
-        for one in origins
+        packing.packed(
+            np.where(np.isnan(side), packing.STEPS + 1, np.round(np.nan_to_num(side) * packing.STEPS)), "<u2"
+        )
+        for side in origins
     ]
 
 
 def _appearance(content: dict[str, Any], sides: list[Side], dense: SurfaceMap) -> list[dict[str, Any]]:
-    """The source's own texture or colours, where its file is still there and has some."""
+    """The texture or the colours in the source's file, if it still exists and has any."""
     path = sides[0].mesh.path
     if path is None or not path.exists():
         return []
     try:
         own = read_appearance(path)
-    except MobiusError:  # shapes have been read; colours that cannot be are no reason to show nothing
+    except MobiusError:  # the shapes are known, so the page can be shown without them
         return []
-    note = "Of the source's own file, carried to the target by the dense map; grey has no counterpart."
+    note = "From the source's file, transferred to the target by the dense map; grey points have no counterpart."
     if own.image is not None and own.uv is not None and all(side.whole for side in sides):
         for side, uv in zip(content["sides"], Transfer(dense).uv_of_repaired(own.uv), strict=True):
             known = ~np.isnan(uv).any(axis=(1, 2))
@@ -137,18 +140,18 @@ def _appearance(content: dict[str, Any], sides: list[Side], dense: SurfaceMap) -
             }
         content["texture"] = _smaller(own.image)
         return [{"name": "Texture", "texture": True, "note": note}]
-    if own.colors is None or _plain(own):
+    if own.colors is None or _has_one_colour(own):
         return []
     colours = own.colors[sides[0].mesh.vertex_ids, :3] / 255
-    return [{"name": "Own colours", "colours": _both(sides, dense, colours), "note": note}]
+    return [{"name": "Colours of the file", "colours": _colours(sides, dense, colours), "note": note}]
 
 
-def _plain(own: Appearance) -> bool:
+def _has_one_colour(own: Appearance) -> bool:
     return own.colors is not None and bool((own.colors == own.colors[0]).all())
 
 
 def _smaller(image: bytes) -> str:
-    """A picture as a data: address, of few pixels."""
+    """A picture, reduced in size, as a data: address."""
     from PIL import Image
 
     picture = Image.open(io.BytesIO(image)).convert("RGB")
@@ -159,9 +162,9 @@ def _smaller(image: bytes) -> str:
 
 
 def _add_morph(
-    content: dict[str, Any], sides: list[Side], dense: SurfaceMap, explanations: Sequence[Correspondence | Alternative]
+    content: dict[str, Any], sides: list[Side], dense: SurfaceMap, alignments: Sequence[Correspondence | Alternative]
 ) -> None:
-    """Shapes between the source and the target where they stand on the page, and the places of the matches on them."""
+    """Add shapes between the source and the target, as placed on the page, and the positions of the matches on them."""
     source, target = sides
     placed = replace(
         dense,
@@ -172,7 +175,7 @@ def _add_morph(
     shapes = interpolate(start, end, source.faces, np.linspace(0, 1, FRAMES))[1:]
     content["morph"] = packing.quantised(shapes) | {"frames": FRAMES}
     tree = cKDTree(start)
-    for shown, one in zip(content["explanations"], explanations, strict=True):
-        places = source.vertices[vertices_numbered(source.mesh, one.pairs[:, 0])]
-        near = tree.query(places)[1] if len(places) else np.empty(0, int)
-        shown["moved"] = packing.packed(shapes[:, near] + (places - start[near]), "<f4")
+    for packed, alignment in zip(content["alignments"], alignments, strict=True):
+        positions = source.vertices[vertices_numbered(source.mesh, alignment.pairs[:, 0])]
+        nearest = tree.query(positions)[1] if len(positions) else np.empty(0, int)
+        packed["moved"] = packing.packed(shapes[:, nearest] + (positions - start[nearest]), "<f4")

@@ -1,4 +1,4 @@
-"""What a page shows of every result: both surfaces, and where their matches are."""
+"""Both surfaces and the positions of their matches, which every page shows."""
 
 from __future__ import annotations
 
@@ -22,29 +22,29 @@ if TYPE_CHECKING:
     from ..results.matches import Alternative
     from ..surface.surface import Surface
 
-MOST = 30_000
-"""Vertices above which a simplified surface is drawn instead."""
-FEWER = 15_000
-"""Vertices that it then has, if it was not matched on a simplified one."""
+MAX_VERTICES = 30_000
+"""Vertices above which a simplified surface is drawn."""
+SIMPLIFIED_VERTICES = 15_000
+"""Vertices of that surface, unless the match used a simplified surface too, which is then drawn."""
 
 FEW = 100
-"""Matches above which their spheres are smaller the more there are, so that as much of the surface stays in sight."""
+"""Matches above which their spheres get smaller, so that the same area of the surface stays visible."""
 
 
 @dataclass(frozen=True, eq=False)
 class Side:
-    """One surface as it stands on the page.
+    """One surface on the page.
 
     Parameters
     ----------
     mesh
         The repaired mesh.
     shape
-        It at area 1 with y upward, with the vertices of the chosen matches.
+        The mesh scaled to area 1, with y upward, and the vertices of the matches.
     vertices
-        (n, 3) its vertices on the page: around the origin, in a common scale.
+        (n, 3) positions of the vertices on the page: centred at the origin, in the scale of the page.
     kept, faces
-        (k,) numbers of the vertices that are drawn, and faces (m, 3) between them.
+        (k,) numbers of the drawn vertices, and faces (m, 3) between them.
     """
 
     mesh: Mesh
@@ -63,12 +63,12 @@ class Side:
 
 
 def sides_of(result: Correspondence) -> tuple[list[Side], float]:
-    """Both sides, and how large the sphere of a certain match is on the page."""
+    """Both sides, and the radius of the sphere of a match with confidence 1."""
     surfaces, infos = (result.source, result.target), (result.source_info, result.target_info)
     meshes = [mesh_of(surface, info) for surface, info in zip(surfaces, infos, strict=True)]
     shapes = [shape_of(mesh, numbers) for mesh, numbers in zip(meshes, result.pairs.T, strict=True)]
     centred = [shape.vertices - (shape.vertices.min(axis=0) + shape.vertices.max(axis=0)) / 2 for shape in shapes]
-    # Both at one scale (equal areas look equal), unless that would make one of them tiny.
+    # Both at the same scale (equal areas look equal), unless that would make one of them tiny.
     fits = [1 / np.linalg.norm(vertices, axis=1).max() for vertices in centred]
     scales = [max(min(fits), fit / 1.5) for fit in fits]
     sides = [
@@ -79,29 +79,32 @@ def sides_of(result: Correspondence) -> tuple[list[Side], float]:
 
 
 def _drawn(mesh: Mesh, surface: Surface | None) -> tuple[np.ndarray, np.ndarray]:
-    if len(mesh.vertices) <= MOST:
+    if len(mesh.vertices) <= MAX_VERTICES:
         return np.arange(len(mesh.vertices)), mesh.faces
     if surface is not None and surface.detail is not None:
         return surface.detail.kept, surface.mesh.faces
-    simple, detail = simplified(mesh, FEWER, 1.0)
+    simple, detail = simplified(mesh, SIMPLIFIED_VERTICES, 1.0)
     return (np.arange(len(mesh.vertices)) if detail is None else detail.kept), simple.faces
 
 
 def name_of(info: dict[str, Any]) -> str:
-    """What a surface is called on the page."""
+    """The name of a surface on the page."""
     return Path(str(info.get("path") or "array")).name
 
 
 def content(result: Correspondence, sides: list[Side], radius: float) -> dict[str, Any]:
-    """What is drawn, as JSON-able values."""
-    explanations = [_explanation(result, "Chosen", "", sides)]
-    for k, one in enumerate(result.alternatives, start=1):
-        note = f"Lost by {one.margin:.2f} (below 0.3 is close); {one.share:.0%} of the best triplets spoke for it."
-        explanations.append(_explanation(one, f"Other {k}", note, sides))
+    """The shapes and the matches of all alignments, as JSON-able values."""
+    alignments = [_alignment(result, "Best", "", sides)]
+    for k, alternative in enumerate(result.alternatives, start=1):
+        note = (
+            f"Its cost is {alternative.margin:.2f} higher than that of the best alignment (below 0.3 is close); "
+            f"{alternative.share:.0%} of the best triplets support it."
+        )
+        alignments.append(_alignment(alternative, f"Alternative {k}", note, sides))
     infos = (result.source_info, result.target_info)
     return {
         "sides": [_side(side, name_of(info)) for side, info in zip(sides, infos, strict=True)],
-        "explanations": explanations,
+        "alignments": alignments,
         "colourings": [],
         "azimuth": best_azimuth([side.shape for side in sides]),
         "elevation": float(ELEVATION),
@@ -122,8 +125,8 @@ def _side(side: Side, name: str) -> dict[str, Any]:
     }
 
 
-def _explanation(matches: Correspondence | Alternative, name: str, note: str, sides: list[Side]) -> dict[str, Any]:
-    """Where the matches are on both sides, and their colours, those of :func:`mobius_match.figures.draw_matches`."""
+def _alignment(matches: Correspondence | Alternative, name: str, note: str, sides: list[Side]) -> dict[str, Any]:
+    """Positions of the matches on both sides, and their colours, as in :func:`mobius_match.draw_matches`."""
     ends = [
         side.vertices[vertices_numbered(side.mesh, numbers)]
         for side, numbers in zip(sides, matches.pairs.T, strict=True)

@@ -1,4 +1,4 @@
-"""Errors against known correspondence, as numbers of the matches and as colours of the surfaces."""
+"""Errors against a known correspondence: of each match, and as colours of the surfaces."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ if TYPE_CHECKING:
     from ..results.surface_map import SurfaceMap
 
 WORST = 0.2
-"""Error per diameter at which the colours end."""
+"""Error, per diameter, at the end of the colour scale."""
 SCALE = {"labels": ["0 %", f"{50 * WORST:g} %", f"{100 * WORST:g} % or more"], "colours": packing.RISING}
 CHECKED = 2000
-"""Points of known correspondence, spread evenly over their list, at which the error of a map is measured."""
+"""Points of the known correspondence, evenly spaced in its list, at which the error of a map is measured."""
 LARGE = 30_000
-"""Vertices above which distances are found by the heat method."""
+"""Vertices above which distances are computed by the heat method."""
 REACH = 0.05
-"""How far from the nearest of these points, per root of the area, a vertex may lie to take its colour."""
+"""Distance to the nearest of these points, per sqrt(area), up to which a vertex takes its colour."""
 
 
 class Errors:
@@ -35,7 +35,7 @@ class Errors:
     Parameters
     ----------
     truth
-        Known correspondence, in numbers of the user's files.
+        Known correspondence, as vertex numbers of the files.
     sides
         Both sides of the page.
     """
@@ -52,31 +52,31 @@ class Errors:
         return Scorer(case, source, target, method, cached_diameter(target, method))
 
     def of_matches(self, matches: Correspondence | Alternative) -> dict[str, Any]:
-        """Error of each match per diameter of the target, None where it is not known."""
+        """Error of each match per diameter of the target; None where it is unknown."""
         if not len(matches.pairs):
             return {"errors": []}
-        found = self._scorer.score(matches.pairs, matches.confidence)["direct"]
-        return {"errors": [None if error != error else round(error, 6) for error in found.tolist()]}
+        errors = self._scorer.score(matches.pairs, matches.confidence)["direct"]
+        return {"errors": [None if error != error else round(error, 6) for error in errors.tolist()]}
 
     def of_map(self, dense: SurfaceMap) -> dict[str, Any]:
-        """Colours of both surfaces by the error of the map at the nearest point of known correspondence."""
+        """Colours of both surfaces by the error of the map at the nearest point of the known correspondence."""
         truth = self._scorer.truth
         known = np.flatnonzero(dense.source_mapped[truth.source])
-        some = known[np.unique(np.linspace(0, len(known) - 1, CHECKED).astype(int))] if len(known) else known
+        checked = known[np.unique(np.linspace(0, len(known) - 1, CHECKED).astype(int))] if len(known) else known
         of_source = np.full(len(dense.source_mapped), np.nan)
-        if len(some):
+        if len(checked):
             ids = [side.mesh.vertex_ids for side in self.sides]
-            points = Truth(ids[0][truth.source[some]], ids[1][truth.target[some]])
+            points = Truth(ids[0][truth.source[checked]], ids[1][truth.target[checked]])
             errors = self._scores(points).score_map(dense.vertex_map)["direct"]
             vertices = self.sides[0].shape.vertices
-            apart, nearest = cKDTree(vertices[truth.source[some]]).query(vertices)
-            of_source = np.where((apart < REACH) & dense.source_mapped, errors[nearest], np.nan)
+            distances, nearest = cKDTree(vertices[truth.source[checked]]).query(vertices)
+            of_source = np.where((distances < REACH) & dense.source_mapped, errors[nearest], np.nan)
         of_target = dense.source_points.values(of_source)
         of_target[~dense.target_mapped] = np.nan
         return {
             "name": "Error",
-            "note": "Geodesic distance on the target from the image of a point to its true place, as a part of the "
-            "target's diameter; grey is not known. Dark is wrong.",
+            "note": "Geodesic distance on the target from the image of a point to its true position, in % of the "
+            "target's diameter. Dark is wrong, grey is unknown.",
             "scale": SCALE,
             "values": [
                 packing.shades(values[side.kept] / WORST)
