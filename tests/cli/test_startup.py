@@ -112,5 +112,5 @@ sys.stderr.write("".join(told))
 def test_kernels_work_where_none_can_be_kept(start_process):
     out, err = start_process("-c", READ_ONLY)
     assert out == "2"
-    why = "every run: no folder can be written, name one in NUMBA_CACHE_DIR"
+    why = "every run: no folder can be written, set NUMBA_CACHE_DIR"
     assert err == f"compiling kernels ({why}; up to 20 seconds or so)..."

@@ -1,6 +1,6 @@
-"""How loops are compiled to kernels, and how a user is told that it takes a while.
+"""Compilation of kernels by numba, and the message that it takes a while.
 
-numba keeps kernels from run to run: beside the sources, or where those cannot be written in a folder of the user.
+numba caches kernels from run to run, beside the sources or, where these cannot be written, in a folder of the user.
 """
 
 from __future__ import annotations
@@ -16,39 +16,39 @@ from numba.core import event
 OPTIONS: dict[str, Any] = {"nogil": True, "error_model": "numpy"}
 inlined = numba.njit(inline="always", **OPTIONS)
 
-_not_kept: list[str] = []
+_not_cached: list[str] = []
 
 
 def jit(function: Callable[..., Any] | None = None, **options: Any) -> Any:
-    """A kernel, kept from run to run if there is any folder to keep it in; with numba's options, a decorator."""
+    """Compile a kernel, cached from run to run if any folder can be written; with numba's options, a decorator."""
     if function is None:
         return partial(jit, **options)
     try:
         return numba.njit(function, cache=True, **OPTIONS, **options)
     except RuntimeError:  # no folder can be written
-        _not_kept.append(function.__name__)
+        _not_cached.append(function.__name__)
         return numba.njit(function, **OPTIONS, **options)
 
 
 def compiling() -> str:
-    """What a user is told who waits for kernels."""
-    how_often = "every run: no folder can be written, name one in NUMBA_CACHE_DIR" if _not_kept else "first run only"
+    """The message to show while kernels are compiled."""
+    how_often = "every run: no folder can be written, set NUMBA_CACHE_DIR" if _not_cached else "first run only"
     return f"compiling kernels ({how_often}; up to 20 seconds or so)..."
 
 
 @contextmanager
-def on_compiling(tell: Callable[[], None]) -> Iterator[None]:
-    """Have ``tell`` called, in any thread, whenever a kernel is compiled; not if it was kept."""
-    with event.install_listener("numba:compile", _Listener(tell)):
+def on_compiling(report: Callable[[], None]) -> Iterator[None]:
+    """Call ``report``, in any thread, whenever a kernel is compiled, not when it is loaded from the cache."""
+    with event.install_listener("numba:compile", _Listener(report)):
         yield
 
 
 class _Listener(event.Listener):
-    def __init__(self, tell: Callable[[], None]) -> None:
-        self._tell = tell
+    def __init__(self, report: Callable[[], None]) -> None:
+        self._report = report
 
     def on_start(self, event: Any) -> None:
-        self._tell()
+        self._report()
 
     def on_end(self, event: Any) -> None:
         pass
