@@ -77,7 +77,7 @@ def test_stl_is_welded_in_order_of_appearance(tmp_path, files, numbered, name):
     np.testing.assert_array_equal(mesh.vertices, expected[order])
     np.testing.assert_array_equal(order[mesh.faces], f)
     assert mesh.notes == (
-        "STL has no vertex numbers: 240 corners joined to 42 vertices with different coordinates, "
+        "STL has no vertex numbers: 240 corners merged into 42 vertices by their coordinates, "
         "numbered in order of appearance.",
     )
 

@@ -1,1 +1,1 @@
-"""What every room may use and what knows no mesh: compiled kernels, threads, processes, files, versions."""
+"""Tools for all rooms that know nothing of meshes: compiled kernels, threads, processes, files, versions."""

@@ -39,18 +39,18 @@ def compiling() -> str:
 
 
 @contextmanager
-def on_compiling(tell: Callable[[], None]) -> Iterator[None]:
-    """Have ``tell`` called, in any thread, whenever a kernel is compiled, but not if it was cached."""
-    with event.install_listener("numba:compile", _Listener(tell)):
+def on_compiling(report: Callable[[], None]) -> Iterator[None]:
+    """Call ``report``, in any thread, whenever a kernel is compiled, but not if it was cached."""
+    with event.install_listener("numba:compile", _Listener(report)):
         yield
 
 
 class _Listener(event.Listener):
-    def __init__(self, tell: Callable[[], None]) -> None:
-        self._tell = tell
+    def __init__(self, report: Callable[[], None]) -> None:
+        self._report = report
 
     def on_start(self, event: Any) -> None:
-        self._tell()
+        self._report()
 
     def on_end(self, event: Any) -> None:
         pass

@@ -1,4 +1,4 @@
-"""Jobs in processes of their own: one that dies takes no other with it, and none outlives the program."""
+"""Jobs in separate processes: one that crashes does not affect the others, and none outlives the program."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ from typing import Any
 
 
 class Died:
-    """Stands for the result of a job whose process ended without one."""
+    """The result of a job whose process ended without one."""
 
 
 DIED = "its process was killed, most likely for lack of memory; fewer `jobs` need less"
 
 
 class Workers:
-    """Processes that jobs are given to; a context manager, which ends them if the work is interrupted."""
+    """A pool of processes; a context manager, which ends them if the work is interrupted."""
 
     def __init__(self, processes: int) -> None:
         self.processes = processes
@@ -39,13 +39,13 @@ class Workers:
         self._pool.shutdown(wait=True, cancel_futures=True)
 
     def results(self, work: Callable[..., Any], jobs: Mapping[str, tuple[Any, ...]]) -> Iterator[tuple[str, Any]]:
-        """Call ``work`` with each job's arguments; give each job's name and result, in the order in which they end.
+        """Call ``work`` with each job's arguments; yield each job's name and result, in the order in which they end.
 
         A job whose process dies (no memory left, a crash in a library) has the result ``Died``.
         """
         waiting, suspects = deque(jobs), deque[str]()
         while waiting or suspects:
-            # When a process dies it is not told whose it was: each job that was under way is tried again, alone.
+            # It is not known which job's process died: each job that was running is tried again, alone.
             queue, most = (suspects, 1) if suspects else (waiting, self.processes)
             running: dict[Future[Any], str] = {}
             try:
@@ -71,18 +71,18 @@ class Workers:
 
 @contextlib.contextmanager
 def _uninterrupted() -> Iterator[None]:
-    """No signal leaves a process half started, and the started ones do not get Ctrl-C, which a terminal sends to all.
+    """Delay signals while a process is started, and keep Ctrl-C, which a terminal sends to all, from new processes.
 
     The caller gets the signal afterwards.
     """
     if threading.current_thread() is not threading.main_thread():  # where Python handles signals
         yield
         return
-    came: list[int] = []
+    received: list[int] = []
     both = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
     handlers = {number: handler for number, handler in both.items() if handler is not None}  # None: not Python's
     for number in handlers:
-        signal.signal(number, lambda which, _: came.append(which))
+        signal.signal(number, lambda which, _: received.append(which))
     if hasattr(signal, "pthread_sigmask"):  # processes inherit it
         mask = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
@@ -92,12 +92,12 @@ def _uninterrupted() -> Iterator[None]:
             signal.pthread_sigmask(signal.SIG_SETMASK, mask)
         for number, handler in handlers.items():
             signal.signal(number, handler)
-        if came:
-            signal.raise_signal(came[0])
+        if received:
+            signal.raise_signal(received[0])
 
 
 def _begin() -> None:
-    """First thing in a process."""
+    """Initialise a process."""
     from threadpoolctl import threadpool_limits
 
     signal.signal(signal.SIGINT, signal.SIG_IGN)

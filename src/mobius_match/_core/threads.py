@@ -1,4 +1,4 @@
-"""Work shared between threads, whose results do not depend on how many there are."""
+"""Work divided among threads; results do not depend on their number."""
 
 from __future__ import annotations
 
@@ -14,47 +14,47 @@ from threadpoolctl import threadpool_limits
 Result = TypeVar("Result")
 
 Progress = Callable[[str, int, int], None]
-"""Called with the name of a stage, how much of it is done, and how much there is."""
+"""Called with the name of a stage, the amount done, and the total."""
 
 
 def map_threads(
     work: Callable[[int, Progress], Result], number: int, jobs: int | None, progress: Progress | None
 ) -> list[Result]:
-    """Results of ``work(0, tell), work(1, tell), ...`` in this order, worked out in as many threads as there may be.
+    """Results of ``work(0, progress), work(1, progress), ...`` in this order, computed in several threads.
 
     Parameters
     ----------
     work
-        Given the number of a piece of work and what to tell progress to.
+        Takes the number of a piece of work and a function to report progress to.
     jobs
         Threads; None for every processor.
     progress
-        Called from the calling thread, whatever thread the news come from.
+        Called in the calling thread only.
     """
-    tell = progress or (lambda stage, done, total: None)
+    report = progress or (lambda stage, done, total: None)
     if min(jobs or os.cpu_count() or 1, number) == 1:
-        return [work(i, tell) for i in range(number)]
-    news: SimpleQueue[tuple[str, int, int] | None] = SimpleQueue()
+        return [work(i, report) for i in range(number)]
+    events: SimpleQueue[tuple[str, int, int] | None] = SimpleQueue()
     ended = threading.Event()
 
     def note(*event: Any) -> None:
         if ended.is_set():
             raise CancelledError
-        news.put(event)
+        events.put(event)
 
     def run(i: int) -> Result:
         try:
             return work(i, note)
         finally:
-            news.put(None)
+            events.put(None)
 
-    # The limit of BLAS threads is everyone's: set here, no thread lifts it while another works.
+    # The limit of BLAS threads is global: set here, no thread lifts it while another works.
     with threadpool_limits(limits=1, user_api="blas"), ThreadPoolExecutor(jobs) as pool:
         try:
             running = [pool.submit(run, i) for i in range(number)]
             for _ in running:
-                while (event := news.get()) is not None:
-                    tell(*event)
-            return [one.result() for one in running]
+                while (event := events.get()) is not None:
+                    report(*event)
+            return [future.result() for future in running]
         finally:
             ended.set()

@@ -1,4 +1,4 @@
-"""Which software results come from."""
+"""Versions of the software that results depend on."""
 
 from __future__ import annotations
 
@@ -9,6 +9,6 @@ from importlib.metadata import version
 
 @cache
 def software() -> dict[str, str]:
-    """Versions of what results depend on."""
+    """Version by name of package."""
     names = ("mobius-match", "numpy", "scipy", "numba", "libigl")
     return {name: version(name) for name in names} | {"python": platform.python_version()}

@@ -1,1 +1,1 @@
-"""Geometry on triangle meshes, thin over libraries: Laplacian, geodesics, eigenfunctions."""
+"""Geometry of triangle meshes on plain arrays: Laplacian, geodesics, curvature, eigenfunctions, nearest neighbours."""

@@ -11,8 +11,7 @@ from .laplacian import IntrinsicMesh, corner_angles, intrinsic_mesh
 def gauss_curvature(mesh: IntrinsicMesh, radius: float, *, steps: int = 5) -> np.ndarray:
     """Gauss curvature (n,) from the angle deficit (Desbrun et al. 2002), smoothed, times the surface's area.
 
-    At a boundary the deficit is that of the geodesic curvature's angle, which is not Gauss curvature: it counts as
-    zero.
+    At a boundary the deficit is the geodesic curvature of the boundary, not Gauss curvature: it is taken as zero.
 
     Parameters
     ----------
@@ -52,7 +51,7 @@ def mean_curvature(
 
 
 def curvatures(vertices: np.ndarray, faces: np.ndarray, radii: tuple[float, ...], *, steps: int = 5) -> np.ndarray:
-    """Gauss and mean curvature at each radius in turn, (n, 2 * radii), in units of the vertices, as are the radii."""
+    """Gauss and mean curvature smoothed to each radius, (n, 2 * radii); both in the units of the vertices."""
     mesh = intrinsic_mesh(vertices, faces)
     size = np.sqrt(mesh.areas.sum())
     columns = []
@@ -63,14 +62,17 @@ def curvatures(vertices: np.ndarray, faces: np.ndarray, radii: tuple[float, ...]
 
 
 def rank_correlation(first: np.ndarray, second: np.ndarray) -> float:
-    """Spearman's, ties in order; 0 where one of the two does not vary. (Importing scipy.stats takes half a second.)"""
+    """Spearman's rank correlation, ties in order; 0 if one of the two is constant.
+
+    (Importing scipy.stats takes half a second.)
+    """
     if np.ptp(first) == 0 or np.ptp(second) == 0:
         return 0.0
     return float(np.corrcoef(ranks(first), ranks(second))[0, 1])
 
 
 def ranks(values: np.ndarray) -> np.ndarray:
-    """The place (n,) int64 of each value in ascending order, ties in order."""
+    """The rank (n,) int64 of each value, from 0, ties in order."""
     return np.argsort(np.argsort(values, kind="stable"))
 
 
@@ -99,8 +101,8 @@ def smoothed_density(mesh: IntrinsicMesh, integrated: np.ndarray, radius: float,
 
 
 def _on_boundary(mesh: IntrinsicMesh) -> np.ndarray:
-    once = np.bincount(mesh.face_edges.ravel(), minlength=mesh.n_edges)[mesh.face_edges] == 1
+    one_face = np.bincount(mesh.face_edges.ravel(), minlength=mesh.n_edges)[mesh.face_edges] == 1
     boundary = np.zeros(mesh.n_vertices, bool)
-    boundary[mesh.faces[:, [1, 2, 0]][once]] = True
-    boundary[mesh.faces[:, [2, 0, 1]][once]] = True
+    boundary[mesh.faces[:, [1, 2, 0]][one_face]] = True
+    boundary[mesh.faces[:, [2, 0, 1]][one_face]] = True
     return boundary

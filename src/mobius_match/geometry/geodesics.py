@@ -16,7 +16,7 @@ DistanceFunction = Callable[[int], np.ndarray]
 
 
 def geodesic_solver(vertices: np.ndarray, faces: np.ndarray, method: str = "heat") -> DistanceFunction:
-    """A function that gives the distances from one vertex to all, after work that all sources share.
+    """A function of a source vertex that gives its distances to all vertices; shared work is done once.
 
     Parameters
     ----------
@@ -46,7 +46,7 @@ def heat_solver(mesh: IntrinsicMesh) -> DistanceFunction:
     edges[mesh.face_edges] = mesh.lengths
     entries = mesh.laplacian.data
     heat = mesh.pattern.factors(edges.mean() ** 2 * entries, mesh.areas)
-    # The Laplacian takes constants to zero: a little of the masses makes it definite.
+    # The Laplacian is singular on constants: a small multiple of the masses makes it definite.
     poisson = mesh.pattern.factors(entries, 1e-9 * mesh.masses)
     corner_x = (mesh.lengths[:, 2] ** 2 + mesh.lengths[:, 1] ** 2 - mesh.lengths[:, 0] ** 2) / (2 * mesh.lengths[:, 2])
     corner_y = 2 * face_areas(mesh.lengths) / mesh.lengths[:, 2]
@@ -57,22 +57,22 @@ def heat_solver(mesh: IntrinsicMesh) -> DistanceFunction:
         at_source[source] = 1.0
         sources = np.zeros(mesh.n_vertices)
         _divergence(mesh.faces, triangles, heat.solve(at_source), sources)
-        found = poisson.solve(sources)
-        return np.maximum(found - found[source], 0.0)
+        distances = poisson.solve(sources)
+        return np.maximum(distances - distances[source], 0.0)
 
     return distances_from
 
 
 @jit
 def _divergence(faces: np.ndarray, triangles: np.ndarray, heat: np.ndarray, out: np.ndarray) -> None:
-    """Add, at each vertex, the integrated divergence of the unit field that heat flows along, outwards negative.
+    """Add, at each vertex, the integrated divergence of the normalised temperature gradient, negative outwards.
 
     A triangle lies in the plane with its first corner at 0, its second at (base, 0) and its third at (x, y).
     """
     for face in range(len(faces)):
         i, j, k = faces[face, 0], faces[face, 1], faces[face, 2]
         base, x, y, cot_i, cot_j, cot_k = triangles[face]
-        # Far from the source heat is so little that squares would vanish.
+        # Far from the source the heat is so small that its squares would underflow.
         most = max(abs(heat[i]), abs(heat[j]), abs(heat[k]))
         along = (heat[j] - heat[i]) / most / base
         across = ((heat[k] - heat[i]) / most - along * x) / y
@@ -103,12 +103,12 @@ def edge_graph(vertices: np.ndarray, faces: np.ndarray) -> sp.csr_matrix:
 def graph_of(points: np.ndarray, edges: np.ndarray) -> sp.csr_matrix:
     """Lengths (n, n) of edges (E, 2) between points (n, 3), each edge once."""
     lengths = np.linalg.norm(points[edges[:, 0]] - points[edges[:, 1]], axis=1)
-    lengths = np.maximum(lengths, np.finfo(float).tiny)  # a length of zero would be no edge
+    lengths = np.maximum(lengths, np.finfo(float).tiny)  # a sparse matrix has no edge of length zero
     return sp.csr_matrix((lengths, (edges[:, 0], edges[:, 1])), shape=(len(points),) * 2)
 
 
 def nearest_centres(vertices: np.ndarray, faces: np.ndarray, centres: np.ndarray) -> np.ndarray:
-    """For each vertex the place (n,) int64 in ``centres`` (c,) of the one that is nearest along edges."""
+    """For each vertex the index (n,) int64 into ``centres`` (c,) of the one that is nearest along edges."""
     from scipy.sparse.csgraph import dijkstra
 
     graph = edge_graph(vertices, faces)

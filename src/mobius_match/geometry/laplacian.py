@@ -1,7 +1,7 @@
-"""Cotangent Laplacian of a triangulation that is known by its edge lengths alone.
+"""Cotangent Laplacian of an intrinsic triangulation, one that is given by its edge lengths.
 
-Section 5 needs nothing of a mesh but its edge lengths, so it works on any triangulation of the same surface. The
-intrinsic Delaunay triangulation (Fisher et al. 2007) has no negative cotangent weight, which mends the paper's first
+Section 5 uses only the edge lengths of a mesh, so it works on any triangulation of the same surface. The intrinsic
+Delaunay triangulation (Fisher et al. 2007) has no negative cotangent weight, which removes the paper's first
 limitation: artefacts where triangles are bad.
 """
 
@@ -17,14 +17,14 @@ from ..mesh.topology import edge_table
 from .cholesky import Pattern
 
 MOLLIFICATION = 1e-6
-"""Least slack of the triangle inequality that faces are given, as a fraction of the mean edge length."""
+"""Least slack of the triangle inequality in every face, as a fraction of the mean edge length."""
 
 
 @dataclass(frozen=True, eq=False)
 class IntrinsicMesh:
     """A triangulation given by edge lengths and by how its triangles are glued.
 
-    Two different edges may join the same two vertices, so edges are told apart by ``face_edges`` only.
+    Two different edges may join the same two vertices, so edges are identified by ``face_edges``.
 
     Parameters
     ----------
@@ -35,7 +35,7 @@ class IntrinsicMesh:
     face_edges
         Number of the edge opposite each corner, (m, 3) int64.
     n_vertices, n_edges
-        How many there are.
+        Number of vertices and of edges.
     """
 
     faces: np.ndarray
@@ -43,6 +43,9 @@ class IntrinsicMesh:
     face_edges: np.ndarray
     n_vertices: int
     n_edges: int
+
+    def __repr__(self) -> str:
+        return f"IntrinsicMesh({self.n_vertices} vertices, {len(self.faces)} faces, {self.n_edges} edges)"
 
     @cached_property
     def laplacian(self) -> sp.csr_matrix:
@@ -56,12 +59,12 @@ class IntrinsicMesh:
 
     @cached_property
     def masses(self) -> np.ndarray:
-        """The vertices' areas (n,) of the surface scaled to area 1, none of them zero."""
+        """The vertices' areas (n,) as fractions of the surface's area, none of them zero."""
         return np.maximum(self.areas / self.areas.sum(), 1e-12 / len(self.areas))
 
     @cached_property
     def pattern(self) -> Pattern:
-        """The Laplacian's pattern, to factorise what has it too."""
+        """The pattern of the Laplacian, to factorise all matrices that share it."""
         return Pattern(self.laplacian, self.masses)
 
 
@@ -92,7 +95,7 @@ def intrinsic_mesh(vertices: np.ndarray, faces: np.ndarray, *, delaunay: bool = 
 def mollified(lengths: np.ndarray) -> np.ndarray:
     """Lengths with the least constant added that makes every triangle strictly valid (Sharp and Crane 2020).
 
-    Faces without area have infinite cotangents; a mesh without such faces comes back as it is.
+    Faces without area have infinite cotangents; the lengths of a mesh without such faces are returned unchanged.
     """
     slack = lengths.sum(axis=1) - 2 * lengths.max(axis=1)
     missing = MOLLIFICATION * lengths.mean() - slack.min()

@@ -1,4 +1,4 @@
-"""Soft matching of two point sets that lets no part be left over: unbalanced optimal transport (Sinkhorn 1967)."""
+"""Soft matching of two point sets by unbalanced optimal transport (Sinkhorn 1967; Chizat et al. 2018)."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ BLOCK = 500
 
 
 class Transport:
-    """An entropic transport plan between points of two feature spaces that have been brought together.
+    """An entropic transport plan between two sets of points in one feature space.
 
-    Every point of the first set sends the same mass; those of the second receive about the same, so that two legs of
-    one surface do not both end on the same leg of the other.
+    Every point of the first set sends the same mass, and every point of the second receives about the same, so that two
+    legs of one surface are not both matched with the same leg of the other.
 
     Parameters
     ----------
@@ -41,7 +41,7 @@ class Transport:
         iterations: int = 10,
     ) -> None:
         self._first, self._balance = first.astype(np.float32), np.float32(balance)
-        # Everything in place: fresh memory of this size costs as much as what is done with it.
+        # All in place: allocating a matrix of this size takes as long as the operations on it.
         kernel = _squared_distances(self._first, second)
         self._nearest = kernel.min(axis=1)
         kernel -= self._nearest[:, None]
@@ -51,46 +51,46 @@ class Transport:
         self._to_kernel(kernel)
         self._sent = _balance(kernel, self._balance, iterations)
         self.plan: np.ndarray = kernel
-        """(p1, p2) float32: which part of each point's mass goes where; rows sum to 1."""
+        """(p1, p2) float32: the share of each first point's mass that each second point gets; rows sum to 1."""
 
     def _to_kernel(self, squared: np.ndarray) -> None:
-        """Squared distances beyond the nearest to what mass passes through, in place."""
+        """Turn squared distances, less that of the nearest, into the Gibbs kernel, in place."""
         np.maximum(squared, 0, out=squared)
         squared *= np.float32(-1 / self.temperature)
         np.exp(squared, out=squared)
-        # The floor keeps every sum positive; it is far below what any match is worth.
+        # The floor keeps every sum positive; it is far below the kernel of any match.
         squared += np.float32(1e-20)
 
     def images(self, queries: np.ndarray, candidates: np.ndarray) -> np.ndarray:
-        """Where further points of the first space go among further points of the second: numbers (q,) int64.
+        """Images (q,) int64 of further points among further candidates.
 
-        The plan is extended by the very formula that balanced it, so that it need not be solved anew for dense sets.
+        The dual variables of the plan extend it to points outside of the two sets, so dense sets need no new solution.
 
         Parameters
         ----------
         queries, candidates
-            (q, k) and (c, k) features in the same spaces.
+            (q, k) and (c, k) features in the same space.
         """
         queries = queries.astype(np.float32)
         same = np.array_equal(queries, self._first)
-        found, least = np.zeros(len(queries), np.int64), np.full(len(queries), np.inf, np.float32)
+        image, least = np.zeros(len(queries), np.int64), np.full(len(queries), np.inf, np.float32)
         for start in range(0, len(candidates), BLOCK):
-            some = candidates[start : start + BLOCK]
-            squared = _squared_distances(self._first, some)
-            apart = squared.copy() if same else _squared_distances(queries, some)
+            block = candidates[start : start + BLOCK]
+            squared = _squared_distances(self._first, block)
+            cost = squared.copy() if same else _squared_distances(queries, block)
             squared -= self._nearest[:, None]
             self._to_kernel(squared)
-            apart += np.float32(self.temperature) * self._balance * np.log(self._sent @ squared)
-            nearest = apart.argmin(axis=1)
-            value = apart[np.arange(len(queries)), nearest]
+            cost += np.float32(self.temperature) * self._balance * np.log(self._sent @ squared)
+            nearest = cost.argmin(axis=1)
+            value = cost[np.arange(len(queries)), nearest]
             better = value < least
-            found[better], least[better] = start + nearest[better], value[better]
-        return found
+            image[better], least[better] = start + nearest[better], value[better]
+        return image
 
 
 @jit(fastmath={"reassoc"})
 def _balance(kernel: np.ndarray, balance: np.float32, iterations: int) -> np.ndarray:
-    """Turn the kernel (p1, p2) into the plan, in place, and tell what the rows had to be multiplied by, (p1,)."""
+    """Turn the kernel (p1, p2) into the plan, in place; return the factors (p1,) of its rows."""
     share = np.float32(kernel.shape[0]) / np.float32(kernel.shape[1])
     received, sent = np.ones(kernel.shape[1], np.float32), np.empty(kernel.shape[0], np.float32)
     mass = np.empty_like(received)
@@ -101,7 +101,7 @@ def _balance(kernel: np.ndarray, balance: np.float32, iterations: int) -> np.nda
             for j in range(len(row)):
                 through += row[j] * received[j]
             sent[i] = np.float32(1) / through
-            if iteration == iterations:  # the rows end in balance
+            if iteration == iterations:  # the last step balances the rows
                 row *= sent[i] * received
                 continue
             for j in range(len(row)):
@@ -112,7 +112,7 @@ def _balance(kernel: np.ndarray, balance: np.float32, iterations: int) -> np.nda
 
 
 def _squared_distances(first: np.ndarray, second: np.ndarray) -> np.ndarray:
-    """(p1, p2) float32, as one product: two more columns hold the squares of each side."""
+    """Squared distances (p1, p2) float32 as one matrix product: two further columns hold the squared norms."""
     sides = []
     for factor, points, own in ((-2, first, -2), (1, second, -1)):
         wide = np.ones((len(points), points.shape[1] + 2), np.float32)

@@ -9,8 +9,8 @@ import numpy as np
 from .._core.compiling import jit
 from .._core.display import one_line
 
-SEEN = 200
-"""Vertices that a search for the closest point passes at most."""
+MAX_VISITED = 200
+"""Number of vertices that a search for the closest point visits at most."""
 
 FLAT = 1e-14
 """Squared sine of the angle below which a triangle is taken for a line."""
@@ -127,11 +127,11 @@ def _descend(
     weights: np.ndarray,
 ) -> None:
     """Write the face and the weights of the closest point for each query."""
-    trial, seen = np.empty(3), np.empty(SEEN, np.int64)
+    trial, seen = np.empty(3), np.empty(MAX_VISITED, np.int64)
     for i in range(len(queries)):
         vertex, n_seen, nearest = seeds[i], 0, np.inf
         found[i] = around[start[vertex]]
-        while n_seen < SEEN:
+        while n_seen < MAX_VISITED:
             seen[n_seen] = vertex
             n_seen += 1
             for place in range(start[vertex], start[vertex + 1]):

@@ -1,4 +1,4 @@
-"""The rotations that are nearest to many small matrices, from quaternions (Horn 1987)."""
+"""Nearest rotations to many 3 x 3 matrices, from quaternions (Horn 1987): their polar decompositions."""
 
 from __future__ import annotations
 
@@ -7,11 +7,11 @@ import numpy as np
 from .._core.compiling import jit
 
 ITERATIONS = 50
-"""Newton steps towards the largest eigenvalue at most; seven or so are taken."""
+"""Largest number of Newton steps to the largest eigenvalue; about seven are usual."""
 
 
 def nearest_rotations(matrices: np.ndarray) -> np.ndarray:
-    """The rotation R nearest to each matrix A, that of the largest trace of R^T A.
+    """The rotation R nearest to each matrix A, which maximises the trace of R^T A.
 
     Parameters
     ----------
@@ -21,7 +21,7 @@ def nearest_rotations(matrices: np.ndarray) -> np.ndarray:
     Returns
     -------
     numpy.ndarray
-        (n, 3, 3) float64 of determinant 1; the identity where no rotation is nearer than all others.
+        (n, 3, 3) float64 of determinant 1; the identity where the nearest rotation is not unique.
     """
     found = np.empty((len(matrices), 3, 3))
     _nearest_rotations(np.ascontiguousarray(matrices, np.float64), found)
@@ -74,23 +74,23 @@ def _nearest_rotations(matrices: np.ndarray, found: np.ndarray) -> None:
 
 @jit
 def _largest_eigenvalue(k: np.ndarray) -> float:
-    """Of a symmetric matrix (4, 4) without trace, by Newton's method on the characteristic polynomial from above."""
+    """Largest eigenvalue of a symmetric matrix (4, 4) of trace 0, by Newton's method from above."""
     square, cube = 0.0, 0.0
     for i in range(4):
         for j in range(4):
             square += k[i, j] * k[j, i]
             for m in range(4):
                 cube += k[i, j] * k[j, m] * k[m, i]
-    two, one = -square / 2, -cube / 3
-    none = 0.0
+    quadratic, linear = -square / 2, -cube / 3
+    constant = 0.0
     cofactors = np.empty(4)
     _cofactors(k, 0, cofactors)
     for j in range(4):
-        none += k[j, 0] * cofactors[j]
-    value = np.sqrt(3.0) + 1e-9  # for a matrix of Frobenius norm 1 no singular values sum to more
+        constant += k[j, 0] * cofactors[j]
+    value = np.sqrt(3.0) + 1e-9  # singular values of a matrix of Frobenius norm 1 sum to no more
     for _ in range(ITERATIONS):
-        polynomial = ((value * value + two) * value + one) * value + none
-        slope = (4 * value * value + 2 * two) * value + one
+        polynomial = ((value * value + quadratic) * value + linear) * value + constant
+        slope = (4 * value * value + 2 * quadratic) * value + linear
         if not slope > 0.0:
             break
         step = polynomial / slope

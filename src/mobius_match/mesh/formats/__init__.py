@@ -1,6 +1,6 @@
-"""One module a format: bytes in, a `RawMesh` out that keeps the vertex and face numbers of the user's file.
+"""One module per format: from bytes to a `RawMesh` with the vertex and face numbers of the file.
 
-trimesh reads OFF, PLY, STL and glTF, meshio reads VTK; OBJ is read here. Each module says what its library
-gets wrong and what is done about it. Headers are checked against the size of the file before a library sees
-it, and libraries are imported only when a file is read.
+trimesh reads PLY, STL and glTF, meshio reads VTK; OFF and OBJ are read here. Each module says which errors of its
+library it works around. Headers are checked against the size of the file before a library reads it, and libraries are
+imported only when a file is read. ``objects`` converts meshes of other libraries.
 """

@@ -1,7 +1,7 @@
-"""glTF 2, .glb and .gltf, read by trimesh from a tree that holds geometry and node transforms alone.
+"""glTF 2, .glb and .gltf, read by trimesh from a tree that contains only geometry and node transforms.
 
-No material and no picture is ever opened. trimesh walks the nodes from last to first, so their order is
-turned round before; it fills sparse and compressed geometry with zeros, so that is refused.
+Materials and images are never opened. trimesh visits the nodes from last to first, so their order is reversed before;
+it fills sparse and compressed geometry with zeros, so such files are refused.
 """
 
 from __future__ import annotations
@@ -68,10 +68,10 @@ def _buffer(entry: dict[str, Any], chunk: bytes, path: Path) -> bytes | None:
     if uri is not None and uri.startswith("data:"):
         return None
     if uri is not None:
-        # Only plain names in the mesh's own folder: a mesh has no business reading elsewhere.
+        # Only files in the mesh's own folder: a mesh must not read any other.
         name = unquote(uri)
         if Path(name).name != name or "\\" in name:
-            raise FormatError(f"buffer {uri[:80]!r} lies outside the file's folder; put it beside the file.")
+            raise FormatError(f"buffer {uri[:80]!r} lies outside the file's folder; put it into that folder.")
         try:
             chunk = (path.parent / name).read_bytes()
         except OSError as error:
@@ -83,7 +83,7 @@ def _buffer(entry: dict[str, Any], chunk: bytes, path: Path) -> bytes | None:
 
 
 def _geometry_alone(tree: dict[str, Any]) -> tuple[dict[str, Any], int]:
-    """The tree that trimesh gets to see, checked, and how many primitives of points or lines it lacks."""
+    """The checked tree for trimesh, and the number of primitives of points or lines that were left out."""
     out: dict[str, Any] = {"asset": {"version": "2.0"}, "accessors": [], "meshes": [], "scene": 0}
     out["buffers"], out["bufferViews"] = tree.get("buffers", []), tree.get("bufferViews", [])
     for view in out["bufferViews"]:
@@ -112,7 +112,7 @@ def _geometry_alone(tree: dict[str, Any]) -> tuple[dict[str, Any], int]:
     _natural(*roots, *children)
     for k in {*roots, *children}:
         if [*roots, *children].count(k) > 1:
-            raise FormatError(f"node {k} stands in the tree twice. The file is damaged: export it again.")
+            raise FormatError(f"node {k} occurs in the tree twice. The file is damaged: export it again.")
     out["scenes"] = [{"nodes": roots[::-1]}]
     out["nodes"] = [
         {
@@ -126,7 +126,7 @@ def _geometry_alone(tree: dict[str, Any]) -> tuple[dict[str, Any], int]:
 
 
 def _accessor(tree: dict[str, Any], out: dict[str, Any], index: int, positions: bool) -> int:
-    """Take over one accessor, checked; its new number."""
+    """Check and copy one accessor; return its new number."""
     entry = tree["accessors"][index]
     if "sparse" in entry or "bufferView" not in entry:
         raise FormatError("sparse or compressed geometry cannot be read; export plain triangles.")

@@ -1,7 +1,7 @@
-"""OBJ, by a reader of its own: only ``v`` and ``f`` lines count, so texture seams and groups split nothing.
+"""OBJ, read here: only ``v`` and ``f`` lines are used, so texture seams and groups split no vertices.
 
-trimesh splits vertices at texture seams and leaves unused ones out; meshio refuses files with more texture
-points than vertices, and reads a negative vertex number as another vertex.
+trimesh splits vertices at texture seams and drops unused ones; meshio refuses files with more texture points than
+vertices, and reads negative vertex numbers wrongly.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ Line = tuple[int, str]  # number of the line, from 1, and its text
 def read_obj(data: bytes) -> RawMesh:
     """Read vertices in the order of the file and faces of any size; negative numbers count backwards."""
     text = data.decode("latin-1").replace("\r\n", "\n").replace("\r", "\n")
-    text = re.sub(r"#.*", "", re.sub(r"\\[ \t]*\n", " ", text))  # a line that goes on in the next; comments
+    text = re.sub(r"#.*", "", re.sub(r"\\[ \t]*\n", " ", text))  # continued lines; comments
     lines = [(number, line.lstrip()) for number, line in enumerate(text.split("\n"), 1)]
     points = [line for line in lines if line[1].startswith(("v ", "v\t"))]
     faces = [line for line in lines if line[1].startswith(("f ", "f\t"))]

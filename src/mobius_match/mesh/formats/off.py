@@ -1,4 +1,4 @@
-"""OFF, read as two runs of numbers once the words of each row have been counted."""
+"""OFF, read here: the words of each row are counted, then vertices and faces are read as two arrays of numbers."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ def read_off(data: bytes) -> RawMesh:
 
 
 def _words(data: bytes, begin: int) -> tuple[Ints, Ints]:
-    """How many words each row has, of those that have any (R,), and where the rows begin and the last ends (R + 1,)."""
+    """Number of words of each row that is not empty (R,), and where these rows begin and the last ends (R + 1,)."""
     text = np.frombuffer(data, np.uint8)[begin:]
     blank = BLANK[text]
     start = np.flatnonzero(~blank & np.concatenate([[True], blank[:-1]]))
@@ -63,7 +63,7 @@ def _words(data: bytes, begin: int) -> tuple[Ints, Ints]:
 
 def _numbers(text: bytes) -> Floats:
     with warnings.catch_warnings():
-        warnings.simplefilter("error")  # how numpy tells that the text ends in something else
+        warnings.simplefilter("error")  # numpy only warns where the text ends in something else
         try:
             return np.fromstring(text, sep=" ")
         except (DeprecationWarning, ValueError):  # of older and newer versions
@@ -71,7 +71,7 @@ def _numbers(text: bytes) -> Floats:
 
 
 def _faces(text: bytes, words: Ints, n: int) -> tuple[Ints, Ints]:
-    """The numbers of corners (F,), and the corners of all faces in a row."""
+    """The number of corners of each face (F,), and the corners of all faces, concatenated."""
     try:
         found = _numbers(text)
     except ValueError:  # colours may have names

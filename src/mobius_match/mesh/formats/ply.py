@@ -1,7 +1,7 @@
-"""PLY, text and binary, read by trimesh under a header that names nothing but coordinates and corners.
+"""PLY, text and binary, read by trimesh with a header that contains only coordinates and corners.
 
-trimesh splits vertices by texture coordinates, expects the format on the second line, and takes binary faces
-of different lengths for equal ones: such faces are read here, one after the other.
+trimesh splits vertices by texture coordinates, expects the format on the second line, and reads binary faces of
+different lengths as if they were equal: such faces are read here, one by one.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ def read_ply(data: bytes) -> RawMesh:
             raise FormatError(f"the header lacks a {name} element with {' '.join(sorted(wanted))}.")
     column = [known for known, _, _ in elements["face"][1]].index(CORNERS)
     if any(count for _, _, count in elements["face"][1][:column]):
-        raise FormatError("the corners of faces stand behind a list; export plain vertices and faces.")
+        raise FormatError("the corners of faces follow another list; export plain vertices and faces.")
     if kind == "ascii":
         return _text([row for row in body.splitlines() if row.strip()], elements, column)
     least = sum(

@@ -1,4 +1,4 @@
-"""What every reader returns, how its polygons become triangles, and the check of what a header promises."""
+"""The result of every reader, the division of polygons into triangles, and the check of counts in headers."""
 
 from __future__ import annotations
 
@@ -57,9 +57,9 @@ def from_triangles(
 def from_polygons(
     vertices: ArrayLike, sizes: Ints, corners: Ints, notes: list[str] | None = None, *, remedy: str = DAMAGED
 ) -> RawMesh:
-    """Polygons with `sizes` corners (F,), all vertex numbers in a row in `corners`, cut into fans.
+    """Polygons with `sizes` corners (F,), whose vertex numbers are concatenated in `corners`, cut into fans.
 
-    A fan depends on the numbering alone, so that two poses of one mesh get the same triangles.
+    A fan depends on the numbering only, so two poses of one mesh get the same triangles.
     """
     pieces = np.maximum(sizes - 2, 0)
     first = np.repeat(np.cumsum(sizes) - sizes, pieces)
@@ -69,6 +69,6 @@ def from_polygons(
 
 
 def promised(count: int, what: str, found: int, unit: str) -> None:
-    """Refuse a header that promises more than the file can hold, before anything is allocated."""
+    """Refuse a header that promises more than the file can contain, before memory is allocated."""
     if count > found:
         raise FormatError(f"the header promises {count} {what}, but only {found} {unit} follow. {DAMAGED}")

@@ -1,4 +1,4 @@
-"""STL, text and binary, read by trimesh. It has no vertex numbers: equal corners are joined as they appear."""
+"""STL, text and binary, read by trimesh. It has no vertex numbers: equal corners are merged."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ HEADER, TRIANGLE = 84, 50  # bytes
 
 
 def read_stl(data: bytes) -> RawMesh:
-    """Read either kind; a file is binary where its length fits, whatever its first word says."""
+    """Read either kind; a file is binary if its length fits, whatever its first word is."""
     count = int.from_bytes(data[80:84], "little")
     notes: list[str] = []
     if data.lstrip()[:5].lower() == b"solid" and len(data) != HEADER + TRIANGLE * count:
-        # trimesh takes what it finds of a text that was cut short, and stumbles over names with "vertex".
+        # trimesh accepts text that was cut short, and fails on names that contain "vertex".
         data = re.sub(rb"(?i)^([ \t]*(?:end)?solid)\b.*", rb"\1", data, flags=re.M)
         words = [w.lower() for w in re.findall(rb"(?im)^[ \t]*(facet|vertex|endfacet|endsolid)\b", data)]
         facets, named, ends = (words.count(word) for word in (b"facet", b"vertex", b"endfacet"))
@@ -44,7 +44,7 @@ def read_stl(data: bytes) -> RawMesh:
     corners = np.concatenate([np.zeros((0, 3)), *(solid["vertices"] for solid in solids)])
     first, face = np.unique(twins(corners), return_inverse=True)
     notes.append(
-        f"STL has no vertex numbers: {len(corners)} corners joined to {len(first)} vertices with different "
-        "coordinates, numbered in order of appearance."
+        f"STL has no vertex numbers: {len(corners)} corners merged into {len(first)} vertices by their coordinates, "
+        "numbered in order of appearance."
     )
     return from_triangles(corners[first], face, None, notes)
