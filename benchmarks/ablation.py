@@ -86,6 +86,7 @@ SETTINGS: dict[str, Changes] = {
 """Settings of rows that change any."""
 
 PARAMETERS: dict[str, Changes] = {
+    "descriptors in the votes": {"alignment.voting.similarity_width": np.inf},
     "choice between alignments (votes, and strain)": {f"{CHOICE}{name}": 0.0 for name in COSTS},
     **{f"choice: {name.replace('_', ' ')}": {f"{CHOICE}{name}": 0.0} for name in COSTS},
     "choice: strain of close ones": {f"{STRAIN}most_contenders": 1},
@@ -94,7 +95,7 @@ PARAMETERS: dict[str, Changes] = {
     "repeated registration, where shapes differ": {f"{STRAIN}repeats": 0},
     "descriptors in the coarse map": {f"{COARSE}descriptor_weight": 0.0},
     "transport (nearest points)": {f"{COARSE}transport.balance": 0.0},
-    "upsampling in small steps": {f"{COARSE}upsampling_step": 1000},
+    "upsampling in steps (all eigenfunctions at once)": {f"{COARSE}upsampling_step": 1000},
     "registration beyond the initial placement": {f"{REGISTRATION}n_weights": 0},
     "registration: normals": {f"{REGISTRATION}normal": 0.0},
     "registration: eigenfunctions": {f"{REGISTRATION}spectral": 0.0},

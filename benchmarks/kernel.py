@@ -22,8 +22,9 @@ import mobius_match as mm
 from mobius_match.evaluation import examples
 from mobius_match.voting import kernel, nearest, sweep
 from mobius_match.voting.mobius import homogeneous
+from mobius_match.voting.parameters import VotingParameters
 from mobius_match.voting.proposals import uniform_triplets
-from mobius_match.voting.votes import DEFAULT_MIN_FRACTION, WEIGHT_POWER, WEIGHT_SCALE
+from mobius_match.voting.votes import DEFAULT_MIN_FRACTION
 
 VERSIONS = ("kernel", "all pairs", "spherical", "weighed", "plain", "numpy")
 SIZES = (50, 100, 200, 500, 1000)
@@ -58,7 +59,7 @@ def versions(surfaces: list[mm.Surface], n: int, n_triplets: int) -> dict[str, B
     def weighed(part: slice) -> int:
         mine = [side[part] for side in triplets]
         totals, votes = np.empty(len(mine[0])), np.zeros((n, n))
-        weights = (*geodesics, similarity, WEIGHT_SCALE, WEIGHT_POWER)
+        weights = (*geodesics, similarity, VotingParameters.pair_scale, VotingParameters.weight_power)
         return kernel.vote_weighted(*planes, *mine, *weights, 0, False, votes, totals)
 
     def plain(part: slice) -> int:

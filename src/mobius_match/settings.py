@@ -13,6 +13,10 @@ from typing import Any, Literal, TypedDict, get_args
 
 from .errors import SettingsError
 
+LEAST_PROBABILITY, LEAST_VOTES = 0.5, 0.1
+"""Defaults of the threshold: with guided proposals the match is more likely right than wrong; with uniform ones it is
+the confidence S of section 8, as a share of the votes."""
+
 LARGEST_SPACING = 0.2
 """Largest spacing of matches per sqrt(area)."""
 

@@ -6,7 +6,8 @@ import pytest
 import mobius_match as mm
 from mobius_match.evaluation import examples
 from mobius_match.settings import make_settings
-from mobius_match.voting.votes import SETTLED, cast_votes
+from mobius_match.voting.parameters import VotingParameters
+from mobius_match.voting.votes import cast_votes
 from tests.shapes import lump, tube
 
 
@@ -34,7 +35,7 @@ def test_the_number_that_was_drawn_gives_the_same_votes_and_more_keep_the_leader
     late = cast_votes(surface, surface, make_settings(votes=60_000))
     leading = late.matrix.max(axis=1)
     same = early.matrix.argmax(axis=1) == late.matrix.argmax(axis=1)
-    assert leading[same].sum() > (SETTLED - 0.03) * leading.sum()
+    assert leading[same].sum() > (VotingParameters().settled_share - 0.03) * leading.sum()
 
 
 @pytest.mark.parametrize("jobs", [2, 5])

@@ -129,7 +129,5 @@ def register_iteratively(
         )
     # Where shapes differ, the registration of least strain is not the right one.
     best = registrations[-1] if alignment.shapes_differ else cheapest(source, target, registrations, parameters)
-    positions = np.stack([best.positions, *(one.positions for one in registrations[1:] or registrations)])
-    distances = np.linalg.norm(positions - best.positions, axis=2)
-    near = distances <= selection.averaging_radius * target.scale
-    return replace(best, positions=np.einsum("kp,kpd->pd", near, positions) / near.sum(axis=0)[:, None])
+    positions = [best.positions, *(one.positions for one in registrations[1:] or registrations)]
+    return replace(best, positions=np.mean(positions, axis=0))

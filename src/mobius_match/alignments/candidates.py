@@ -108,7 +108,9 @@ def candidate_alignments(
             found[i] = min(found[i], replace(variant, share=shares[i]), key=by_cost)
     if with_extremities and least > selection.different_above:
         # All of the triplets that were drawn may be wrong.
-        extremities = extremity_triplets(source, target, parameters.extremities, parameters.cost.softening)
+        extremities = extremity_triplets(
+            source, target, parameters.extremities, parameters.cost.softening, parameters.voting
+        )
         lists = [agreed_matches(*one, len(target.samples), clusters.most_matches) for one in extremities]
         lists = [matches for matches in lists if len(matches) > 2]
         costs = map_threads(lambda i, _: quick_cost(lists[i]), len(lists), jobs, None)
@@ -151,6 +153,7 @@ def alignments_with_landmarks(
     if constraints is None or (candidates and not candidates[0].cost_terms["landmarks"]):
         return votes, candidates
     disagreement = constraints.disagreement(source, target, source.samples, target.samples)
-    votes = cast_votes(source, target, replace(settings, votes=votes.n_triplets), disagreement=disagreement)
+    settings = replace(settings, votes=votes.n_triplets)
+    votes = cast_votes(source, target, settings, disagreement=disagreement, parameters=parameters.voting)
     candidates += candidate_alignments(source, target, votes, parameters, constraints=constraints, jobs=settings.jobs)
     return votes, distinct_alignments(target, candidates, parameters.clusters.radius / 2)

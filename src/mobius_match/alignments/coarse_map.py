@@ -34,7 +34,7 @@ def coarse_map(
     plan = _plan_by_distances(source, target, matches, parameters, constraints, thinning)
     first, second = (surface.eigenfunctions[surface.proxy] for surface in (source, target))
     most = min(first.shape[1], second.shape[1])
-    for count in (*range(parameters.upsampling_start, most, parameters.upsampling_step), most):
+    for count in (*range(2 * parameters.upsampling_step, most, parameters.upsampling_step), most):
         # The functional map of a plan sends each point to the mean of the places that its mass goes to.
         transfer = functional_map(first[::thinning, :count], plan @ second[::thinning, :count])
         step = 1 if count == most else thinning
@@ -56,7 +56,7 @@ def quick_image(
     numpy.ndarray
         (ceil(P1 / quick_thinning),) int64: points of the target's proxy.
     """
-    step, count = parameters.quick_thinning, parameters.upsampling_start
+    step, count = parameters.quick_thinning, 2 * parameters.upsampling_step
     plan = _plan_by_distances(source, target, matches, parameters, constraints, step)
     first, second = (surface.eigenfunctions[surface.proxy, :count] for surface in (source, target))
     first = first @ functional_map(first[::step], plan @ second[::step])

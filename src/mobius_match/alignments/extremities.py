@@ -14,6 +14,7 @@ import numpy as np
 from ..surface.surface import Surface
 from ..voting.kernel import mutual_pairs
 from ..voting.mobius import homogeneous
+from ..voting.parameters import VotingParameters
 from ..voting.votes import triplet_weights_of
 from .parameters import ExtremityParameters
 
@@ -56,7 +57,7 @@ def extremity_matchings(
 
 
 def extremity_triplets(
-    source: Surface, target: Surface, parameters: ExtremityParameters, softening: float
+    source: Surface, target: Surface, parameters: ExtremityParameters, softening: float, voting: VotingParameters
 ) -> list[tuple[np.ndarray, np.ndarray]]:
     """The triplets of each likely way to match extremities.
 
@@ -72,6 +73,6 @@ def extremity_triplets(
     triplets = [matching[np.array(list(combinations(range(len(matching)), 3)))] for matching in matchings]
     triplets1, triplets2 = (np.ascontiguousarray(np.concatenate(triplets)[:, :, side]) for side in (0, 1))
     pairs = mutual_pairs(homogeneous(source.positions), homogeneous(target.positions), triplets1, triplets2)
-    weights = triplet_weights_of(source, target, triplets1, triplets2)
+    weights = triplet_weights_of(source, target, triplets1, triplets2, voting)
     ends = np.cumsum([len(one) for one in triplets])[:-1]
     return list(zip(np.split(pairs, ends), np.split(weights, ends), strict=True))

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from .._core.parameters import AREA, HAND, parameter
 from ..landmarks.parameters import LandmarkParameters
 from ..registration.parameters import RegistrationParameters
+from ..voting.parameters import VotingParameters
 
 
 @dataclass(frozen=True)
@@ -30,8 +31,9 @@ class CoarseMapParameters:
     match_radius: float = parameter(
         0.3, "the influence of a match falls to 1/e at this distance in the first map", unit=AREA, origin=HAND
     )
-    upsampling_start: int = parameter(20, "eigenfunctions of the first refinement", origin=HAND)
-    upsampling_step: int = parameter(10, "eigenfunctions more at each further one, up to all", origin=HAND)
+    upsampling_step: int = parameter(
+        10, "each refinement has so many eigenfunctions more, from twice as many up to all", origin=HAND
+    )
     thinning: int = parameter(2, "all maps but the last use every so many-th point of the proxies", origin="time")
     descriptor_weight: float = parameter(
         0.4, "weight of descriptors against eigenfunctions, by root mean square", origin=HAND
@@ -117,18 +119,13 @@ class SelectionParameters:
     most_contenders: int = parameter(4, "candidates compared at most", origin="time")
     ambiguous_margin: float = parameter(0.3, "margin below which the choice is called ambiguous", origin=HAND)
     repeats: int = parameter(4, "repeated registrations of the chosen alignment where shapes differ", origin=HAND)
-    averaging_radius: float = parameter(
-        0.05,
-        "of these, positions farther than this from the best are left out of the mean",
-        unit=AREA,
-        origin=HAND,
-    )
 
 
 @dataclass(frozen=True)
 class AlignmentParameters:
     """The constants of all that leads from two prepared surfaces to an alignment."""
 
+    voting: VotingParameters = VotingParameters()
     landmarks: LandmarkParameters = LandmarkParameters()
     registration: RegistrationParameters = RegistrationParameters()
     coarse_map: CoarseMapParameters = CoarseMapParameters()

@@ -103,7 +103,7 @@ def match(
     constraints, of_landmarks = None, list[str]()
     if landmarks is not None:
         constraints, of_landmarks = landmark_constraints(landmarks, first, second, parameters.alignment.landmarks)
-    votes = cast_votes(first, second, chosen, progress)
+    votes = cast_votes(first, second, chosen, progress, parameters=parameters.alignment.voting)
     clock.lap("voting")
     # One BLAS thread: sums must not depend on the number of processors.
     with threadpool_limits(limits=1, user_api="blas"):
@@ -235,6 +235,7 @@ def align(
         settings.seed,
         settings.jobs,
         constraints,
+        parameters.alignment.voting,
     )
     candidates: list[Alignment] = []
     if part is None or boundary_length(part.whole) > parameters.partial.opening:
@@ -254,10 +255,10 @@ def read_matches(
 ) -> dict[str, Any]:
     """Section 8, and what goes beyond it: the matches, the most confident first, as fields of the result."""
     if outcome.part is not None:
-        return part_matches(source, target, outcome.part, settings, parameters.report)
+        return part_matches(source, target, outcome.part, settings)
     if not outcome.alignments:
-        return voted_matches(source, target, outcome.votes, settings, parameters.report)
-    factor = parameters.report.incomplete_factor if outcome.coverage is Coverage.BOTH_INCOMPLETE else 1.0
+        return voted_matches(source, target, outcome.votes, settings)
+    factor = parameters.partial.incomplete_factor if outcome.coverage is Coverage.BOTH_INCOMPLETE else 1.0
     return aligned_matches(source, target, outcome.votes, outcome.alignments[0], settings, parameters, factor)
 
 

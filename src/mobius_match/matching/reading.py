@@ -13,20 +13,18 @@ from ..geometry.points import SurfacePoints, closest_points
 from ..landmarks.constraints import LandmarkConstraints
 from ..registration.confidence import distances_to_images, match_probabilities
 from ..results.surface_map import SurfaceMap
-from ..settings import MatchSettings
+from ..settings import LEAST_PROBABILITY, LEAST_VOTES, MatchSettings
 from ..surface.sampling import thin_out
 from ..surface.surface import Surface
 from ..voting.assignment import linear_assignment, max_row_column, normalized, recover
 from ..voting.votes import Votes
-from .parameters import Parameters, ReportParameters
+from .parameters import Parameters
 from .partial.part import PartMatch
 
 
-def voted_matches(
-    source: Surface, target: Surface, votes: Votes, settings: MatchSettings, parameters: ReportParameters
-) -> dict[str, Any]:
+def voted_matches(source: Surface, target: Surface, votes: Votes, settings: MatchSettings) -> dict[str, Any]:
     """Section 8 to the letter: pairs of samples, confidence as a share of the votes."""
-    pairs, confidence, recovered = process(votes.matrix, source, target, settings, parameters)
+    pairs, confidence, recovered = process(votes.matrix, source, target, settings)
     here, there = source.samples[pairs[:, 0]], target.samples[pairs[:, 1]]
     return {
         "pairs": np.stack([source.mesh.vertex_ids[here], target.mesh.vertex_ids[there]], axis=1),
@@ -63,17 +61,13 @@ def aligned_matches(
     radius = settings.recovery_radius or MatchSettings.recovery_radius
     voted[pairs[:, 0]] = distances[pairs[:, 0], pairs[:, 1]] <= radius * target.diameter
     voted = voted[source.proxy_distances.argmin(axis=0)]
-    return _reported(
-        source, target, source.proxy, points, probability, voted, settings, parameters.report, source.proxy_geodesics
-    )
+    return _reported(source, target, source.proxy, points, probability, voted, settings, source.proxy_geodesics)
 
 
-def part_matches(
-    source: Surface, target: Surface, part: PartMatch, settings: MatchSettings, parameters: ReportParameters
-) -> dict[str, Any]:
+def part_matches(source: Surface, target: Surface, part: PartMatch, settings: MatchSettings) -> dict[str, Any]:
     """Places of the source's samples where one of the two surfaces is a part of the other."""
     voted = np.ones(len(source.samples), bool)
-    return _reported(source, target, source.samples, part.points, part.match_probabilities, voted, settings, parameters)
+    return _reported(source, target, source.samples, part.points, part.match_probabilities, voted, settings)
 
 
 def _reported(
@@ -84,7 +78,6 @@ def _reported(
     probability: np.ndarray,
     voted: np.ndarray,
     settings: MatchSettings,
-    parameters: ReportParameters,
     distances: np.ndarray | None = None,
 ) -> dict[str, Any]:
     """The likely ones among the places of source vertices (q,), the most confident first, no target vertex twice.
@@ -92,7 +85,7 @@ def _reported(
     With distances (q, q) between the vertices per sqrt(area), those that are not samples keep the spacing from all
     samples and from each other; the more confident one stays.
     """
-    threshold = parameters.least_probability if settings.threshold is None else settings.threshold
+    threshold = LEAST_PROBABILITY if settings.threshold is None else settings.threshold
     kept = np.flatnonzero((probability >= threshold) & (voted | (settings.recovery_radius > 0)))
     kept = kept[np.argsort(-probability[kept], kind="stable")]
     if distances is not None:
@@ -144,7 +137,7 @@ def dense_map_of_whole(
 
 
 def process(
-    matrix: np.ndarray, source: Surface, target: Surface, settings: MatchSettings, parameters: ReportParameters
+    matrix: np.ndarray, source: Surface, target: Surface, settings: MatchSettings
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Section 8: the matrix C to pairs of samples (Q, 2), their confidence (Q,) and which were recovered (Q,) bool.
 
@@ -159,7 +152,7 @@ def process(
             f"{source.mesh.name} and {target.mesh.name}: none of {settings.number_of_votes()} triplets of points "
             "gained a vote; lower `min_fraction` or raise `votes`, or the shapes have too little in common"
         )
-    threshold = parameters.least_votes if settings.threshold is None else settings.threshold
+    threshold = LEAST_VOTES if settings.threshold is None else settings.threshold
     trusted = confidence >= threshold
     delta = settings.recovery_radius
     recovered = recover(

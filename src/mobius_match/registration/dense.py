@@ -22,6 +22,9 @@ from .features import rotated_normals
 from .parameters import RegistrationParameters
 from .sparse import Registration
 
+CARRIERS = 6
+"""Vertices of the proxy that carry a vertex of the mesh: its surroundings; four give the same maps."""
+
 
 def dense_map(
     source: Surface,
@@ -44,7 +47,7 @@ def dense_map(
     """
     deformed, deformed_normals = register_vertices(source, target, registration, parameters, whole)
     mesh1, mesh2, scale = source.mesh, target.mesh, target.scale
-    normals, weight = vertex_normals(mesh2.vertices / scale, mesh2.faces), parameters.of_vertices.normal
+    normals, weight = vertex_normals(mesh2.vertices / scale, mesh2.faces), parameters.dense_normal
     first = np.hstack([deformed / scale, weight * deformed_normals])
     second = np.hstack([mesh2.vertices / scale, weight * normals])
     target_points, source_points = _closest(first, second, mesh2.faces), _closest(second, first, mesh1.faces)
@@ -87,26 +90,25 @@ def register_vertices(
     positions, normals
         (n1, 3) float64 each: of the source's vertices, in the target's coordinates.
     """
-    weights = parameters.of_vertices
     scale1, scale2 = source.scale, target.scale
     rest, there = source.mesh.vertices / scale1, target.mesh.vertices / scale2
     normals1, normals2 = vertex_normals(rest, source.mesh.faces), vertex_normals(there, target.mesh.faces)
-    positions, rotations = _carried(
-        rest, source.proxy, registration.positions / scale2, registration.rotations, parameters.carriers
-    )
+    positions, rotations = _carried(rest, source.proxy, registration.positions / scale2, registration.rotations)
     # Eigenfunctions keep a point from a limb that lies close by but belongs elsewhere, and from sliding along its own.
     # A part has other eigenfunctions than its whole, and other curvatures at its boundary.
     n_spectral = source.eigenfunctions.shape[1] if whole else 0
     spectral1, spectral2 = (one.eigenfunctions[:, :n_spectral].astype(np.float64) for one in (source, target))
     spectral1 = spectral1 @ functional_map(spectral1[source.proxy], spectral2[registration.image])
     appearance1, appearance2 = (
-        np.hstack([weights.spectral * spectral, *[weights.curvature * one.curvature_features] * whole])
+        np.hstack(
+            [parameters.dense_spectral * spectral, *[parameters.dense_curvature * one.curvature_features] * whole]
+        )
         for one, spectral in ((source, spectral1), (target, spectral2))
     )
 
     def query(state: State) -> np.ndarray:
         normals = _unit(rotated_normals(normals1, state.rotations))
-        return np.hstack([state.positions, weights.normal * normals, appearance1])
+        return np.hstack([state.positions, parameters.dense_normal * normals, appearance1])
 
     everything = np.arange(len(there))
     state = deform(
@@ -115,7 +117,7 @@ def register_vertices(
         query,
         Target(
             there,
-            np.hstack([there, weights.normal * normals2, appearance2]),
+            np.hstack([there, parameters.dense_normal * normals2, appearance2]),
             everything if whole else everything[:0],
         ),
         parameters.full,
@@ -135,10 +137,10 @@ def _closest(queries: np.ndarray, vertices: np.ndarray, faces: np.ndarray) -> Su
 
 
 def _carried(
-    rest: np.ndarray, carriers: np.ndarray, positions: np.ndarray, rotations: np.ndarray, number: int
+    rest: np.ndarray, carriers: np.ndarray, positions: np.ndarray, rotations: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Positions (n, 3) and rotations (n, 3, 3) of all points, from those of some of them (p,): means of the nearest."""
-    distance, near = cKDTree(rest[carriers]).query(rest, min(number, len(carriers)))
+    distance, near = cKDTree(rest[carriers]).query(rest, min(CARRIERS, len(carriers)))
     weights = np.maximum(1 - distance / (1.001 * distance[:, -1:] + np.finfo(float).tiny), 1e-3) ** 2
     weights /= weights.sum(axis=1, keepdims=True)
     arms = rest[:, None] - rest[carriers[near]]

@@ -110,24 +110,23 @@ class RegistrationParameters:
     curvature: tuple[float, float] = parameter(
         (0.05, 0.1), "weight of curvatures where the shapes are similar, and where they differ", origin=HAND
     )
-    of_vertices: FeatureWeights = parameter(
-        FeatureWeights(0.04, 0.003, 0.0, 0.015),
-        "weights of features in dense registration, which is closer to begin with",
-        origin=HAND,
+    dense_normal: float = parameter(
+        0.04, "weight of normals in dense registration, which is closer to begin with", origin=HAND
     )
+    dense_spectral: float = parameter(0.003, "weight of eigenfunctions in dense registration", origin=HAND)
+    dense_curvature: float = parameter(0.015, "weight of curvatures in dense registration", origin=HAND)
     discontinuity: float = parameter(
         0.07, "the map is discontinuous where an edge's image is longer than the edge by this", unit=AREA, origin=HAND
     )
     strain_weights: tuple[float, float] = parameter(
         (16.0, 2.0), "weights of the logarithms of mean stretch and of mean normal deviation", origin=HAND
     )
-    strain_floors: tuple[float, float] = parameter(
-        (0.01, 0.001), "added to the two before the logarithm", origin="a hundredth of what good matches have"
+    strain_floor: float = parameter(
+        0.001, "added to the two before the logarithm", origin="far below what good matches have; changes no result"
     )
     part_distance: float = parameter(
         0.03, "a point of the whole within this distance of the deformed part belongs to it", unit=AREA, origin=HAND
     )
-    carriers: int = parameter(6, "vertices of the proxy that carry a vertex of the mesh", origin=HAND)
     confidence: ConfidenceParameters = ConfidenceParameters()
 
     def schedule(self, n_weights: int, rounds: int) -> Schedule:

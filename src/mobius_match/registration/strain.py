@@ -40,6 +40,6 @@ def strain(source: Surface, target: Surface, registration: Registration, paramet
     """
     terms = mean_stretch(source, target, registration), float(registration.normal_deviation.mean())
     return sum(
-        weight * float(np.log(term + floor))
-        for weight, term, floor in zip(parameters.strain_weights, terms, parameters.strain_floors, strict=True)
+        weight * float(np.log(term + parameters.strain_floor))
+        for weight, term in zip(parameters.strain_weights, terms, strict=True)
     )

@@ -28,20 +28,9 @@ class SurfaceParameters:
     wide_curvature_radius: float = parameter(
         0.1, "width to which the mean curvature of the cost is smoothed", unit=AREA, origin=HAND
     )
-    curvature_steps: int = parameter(5, "implicit steps of the heat equation that smooth curvature", origin=HAND)
     curvature_gain: float = parameter(
         2.0, "curvatures in standard deviations are multiplied by this before asinh", origin=HAND
     )
-    curvature_floor: float = parameter(
-        1.0, "least standard deviation of curvature: a sphere has none", unit="1/area", origin=HAND
-    )
-    energies: int = parameter(100, "energies of the wave kernel signature", origin="Aubry et al. 2011")
-    energy_width: float = parameter(
-        7.0, "width of its energies' Gaussians, in distances between energies", origin="Aubry et al. 2011"
-    )
-    descriptor_levels: tuple[int, int] = parameter(
-        (4, 8), "first energy and step of the levels that describe all vertices", origin=HAND
-    )
-    descriptor_floor: float = parameter(
-        0.1, "least standard deviation of the logarithm of a level: a sphere has none", origin=HAND
+    descriptor_step: int = parameter(
+        8, "every so many-th energy describes all vertices, from half the step on", origin=HAND
     )

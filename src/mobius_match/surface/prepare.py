@@ -191,18 +191,12 @@ def _prepare(mesh: Mesh, settings: PrepareSettings, progress: Progress, paramete
     clock.lap("flattening")
     progress(f"describing {mesh.name}", 2, 3)
     eigenvalues, eigenfunctions = eigenbasis(triangulation, parameters.eigenfunctions)
-    signatures = wave_kernel_signature(
-        eigenvalues,
-        eigenfunctions[samples.vertices],
-        energies=parameters.energies,
-        spread=parameters.energy_width,
-    )
-    steps = parameters.curvature_steps
+    signatures = wave_kernel_signature(eigenvalues, eigenfunctions[samples.vertices])
     curvatures = np.stack(
         [
-            gauss_curvature(triangulation, parameters.curvature_radius, steps=steps),
+            gauss_curvature(triangulation, parameters.curvature_radius),
             *(
-                mean_curvature(triangulation, vertices, mesh.faces, radius, steps=steps)
+                mean_curvature(triangulation, vertices, mesh.faces, radius)
                 for radius in (parameters.curvature_radius, parameters.wide_curvature_radius)
             ),
         ]

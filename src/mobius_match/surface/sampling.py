@@ -63,7 +63,7 @@ def sample_points(
     """
     count = min(count, mesh.n_vertices)
     radius = parameters.maximum_radius * np.sqrt(mesh.areas.sum())
-    curvature = gauss_curvature(mesh, parameters.sampling_smoothing, steps=parameters.curvature_steps)
+    curvature = gauss_curvature(mesh, parameters.sampling_smoothing)
     chosen: list[int] = []
     rows: list[np.ndarray] = []
     for vertex in _ring_maxima(mesh, curvature):

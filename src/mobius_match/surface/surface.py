@@ -19,6 +19,10 @@ from .parameters import SurfaceParameters
 from .simplified import Detail
 from .storage import load_fields, save_surface
 
+LEAST_LEVEL_DEVIATION, LEAST_CURVATURE_DEVIATION = 0.1, 1.0
+"""Standard deviations below which the level of a descriptor, or a curvature, is not scaled up: a sphere has round-off
+alone. Real shapes have more."""
+
 
 @dataclass(frozen=True, eq=False)
 class Surface:
@@ -151,15 +155,10 @@ class Surface:
     @cached_property
     def descriptors(self) -> np.ndarray:
         """Standardised logarithms of wave kernel signatures (n, 12) float32 of all vertices; rows of length about 1."""
-        first, step = self.parameters.descriptor_levels
-        signatures = wave_kernel_signature(
-            self.eigenvalues,
-            self.eigenfunctions,
-            energies=self.parameters.energies,
-            spread=self.parameters.energy_width,
-        )
-        levels = np.log(signatures[:, first::step] + np.finfo(float).eps)
-        deviation = np.maximum(levels[self.proxy].std(axis=0), self.parameters.descriptor_floor)
+        step = self.parameters.descriptor_step
+        signatures = wave_kernel_signature(self.eigenvalues, self.eigenfunctions)
+        levels = np.log(signatures[:, step // 2 :: step] + np.finfo(float).eps)
+        deviation = np.maximum(levels[self.proxy].std(axis=0), LEAST_LEVEL_DEVIATION)
         levels = (levels - levels[self.proxy].mean(axis=0)) / deviation
         return np.asarray(levels / np.sqrt(levels.shape[1]), np.float32)
 
@@ -167,7 +166,7 @@ class Surface:
     def curvature_features(self) -> np.ndarray:
         """Gauss and mean curvature (n, 2) float32 of all vertices: from the median, large ones compressed by asinh."""
         median, deviation = (f(self.curvatures[:2, self.proxy], axis=1) for f in (np.median, np.std))
-        deviation = np.maximum(deviation, self.parameters.curvature_floor)
+        deviation = np.maximum(deviation, LEAST_CURVATURE_DEVIATION)
         return np.arcsinh(self.parameters.curvature_gain * (self.curvatures[:2].T - median) / deviation)
 
     @cached_property

@@ -6,15 +6,6 @@ import numpy as np
 
 from .._core.compiling import jit
 
-LEAST_SPREAD = 0.3
-"""Least distance between the three source samples of a guided triplet, per sqrt(area)."""
-
-LENGTH_TOLERANCE = 0.25
-"""Largest relative difference of the distances within a guided triplet."""
-
-CENTRALITY_TOLERANCE = 0.30
-"""Largest relative difference of the average geodesic distance of two samples that may be matched in a triplet."""
-
 ATTEMPTS = 1000
 """Draws for one guided triplet before it is given up."""
 

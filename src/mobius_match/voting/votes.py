@@ -22,7 +22,8 @@ from ..settings import MatchSettings
 from ..surface.surface import Surface
 from .kernel import vote, vote_weighted
 from .mobius import homogeneous
-from .proposals import CENTRALITY_TOLERANCE, LEAST_SPREAD, LENGTH_TOLERANCE, guided_triplets, uniform_triplets
+from .parameters import VotingParameters
+from .proposals import guided_triplets, uniform_triplets
 
 BATCH = 625
 """Guided triplets in a batch."""
@@ -33,25 +34,12 @@ LEAST_BATCHES, LARGEST_BATCH = 32, 50_000
 ROUND = 8
 """Batches between two looks at whether the votes have settled, where the program chooses how many there are."""
 
-SETTLED = 0.98
-"""They have if this part of the leading votes is for the same samples as a round ago."""
 
-WEIGHT_SCALE = 0.15
-"""Difference of geodesic distances per sqrt(area) at which the weight of a pair has fallen to 1 / e."""
-
-HINT_SCALE, HINT_TOLERANCE = 0.15, 0.25
-"""Mean difference of distances from the hints, per sqrt(area), at which the weight of a pair has fallen to 1 / e, and
-above which it is not drawn."""
-
-WEIGHT_POWER = 6.0
-"""Power of the sum of a triplet's weights that its votes are worth."""
+TRIALS = 200
+"""Draws that tell whether most succeed."""
 
 DEFAULT_MIN_FRACTION = 0.4
 """Section 6: K is 40 % of the samples."""
-
-
-KEPT = 300
-"""How many of the best guided triplets are kept, for the explanations that they stand for."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,13 +73,13 @@ class Votes:
     def __repr__(self) -> str:
         return one_line(self)
 
-    def __add__(self, other: Votes) -> Votes:
-        """Both together; of equally good triplets those of the first come first."""
+    def plus(self, other: Votes, kept: int) -> Votes:
+        """The sum of both, with so many of the best triplets; of equal ones those of the first come first."""
         best_source, best_target, triplet_weights = (
             np.concatenate([getattr(self, name), getattr(other, name)])
             for name in ("best_source", "best_target", "triplet_weights")
         )
-        order = np.argsort(-triplet_weights, kind="stable")[:KEPT]
+        order = np.argsort(-triplet_weights, kind="stable")[:kept]
         return Votes(
             self.matrix + other.matrix,
             self.n_triplets + other.n_triplets,
@@ -113,6 +101,7 @@ def cast_votes(
     settings: MatchSettings,
     progress: Progress | None = None,
     disagreement: np.ndarray | None = None,
+    parameters: VotingParameters = VotingParameters(),
 ) -> Votes:
     """Run Algorithm 2 on two prepared surfaces.
 
@@ -127,9 +116,13 @@ def cast_votes(
     disagreement
         (N1, N2) float64, for guided triplets: how much each two samples differ in their distances from known pairs of
         points, per sqrt(area). Those that differ much are not matched.
+    parameters
+        The constants of guided voting.
     """
-    guided = settings.proposal == "guided"
-    batch, warnings = _guided(source, target, settings, disagreement) if guided else _uniform(source, target, settings)
+    if settings.proposal == "guided":
+        batch, warnings = _guided(source, target, settings, disagreement, parameters)
+    else:
+        batch, warnings = _uniform(source, target, settings)
     total = settings.number_of_votes()
     # Batches of one size: what was drawn until the votes settled is what the same number of triplets gives.
     size = BATCH if settings.proposal == "guided" else min(LARGEST_BATCH, -(-total // LEAST_BATCHES))
@@ -144,10 +137,10 @@ def cast_votes(
             for start in range(0, n_batches, round_size):
                 before, part = votes, slice(start, start + round_size)
                 for done, more in enumerate(pool.map(batch, streams[part], sizes[part]), start + 1):
-                    votes += more
+                    votes = votes.plus(more, parameters.kept)
                     if progress is not None:
                         progress("voting", done, n_batches)
-                if open_ended and _settled(before, votes):
+                if open_ended and _settled(before, votes, parameters.settled_share):
                     break
             if progress is not None:
                 progress("voting", n_batches, n_batches)
@@ -157,11 +150,11 @@ def cast_votes(
     return replace(votes, warnings=warnings)
 
 
-def _settled(before: Votes, after: Votes) -> bool:
-    """Whether the last round changed little: which sample of the target leads, over the source's samples."""
+def _settled(before: Votes, after: Votes, share: float) -> bool:
+    """Whether the last round changed little: the most voted target sample of each source sample, by votes."""
     leading1, leading2 = before.matrix.argmax(axis=1), after.matrix.argmax(axis=1)
     weights = after.matrix.max(axis=1)
-    return bool(weights[leading1 == leading2].sum() >= SETTLED * weights.sum() > 0)
+    return bool(weights[leading1 == leading2].sum() >= share * weights.sum() > 0)
 
 
 def _without_triplets(matrix: np.ndarray, n_triplets: int, n_voting: int) -> Votes:
@@ -185,26 +178,36 @@ def _uniform(source: Surface, target: Surface, settings: MatchSettings) -> tuple
 
 
 def _guided(
-    source: Surface, target: Surface, settings: MatchSettings, disagreement: np.ndarray | None
+    source: Surface,
+    target: Surface,
+    settings: MatchSettings,
+    disagreement: np.ndarray | None,
+    parameters: VotingParameters,
 ) -> tuple[Batch, tuple[str, ...]]:
-    similarity = signature_similarity(source.signatures, target.signatures)
+    similarity = signature_similarity(source.signatures, target.signatures, parameters.similarity_width)
     if disagreement is not None:
-        similarity = similarity * np.exp(-((disagreement / HINT_SCALE) ** 2))
-    draw, warnings = _proposals(source, target, disagreement)
-    weigh = _weighing(source, target, similarity, settings)
+        similarity = similarity * np.exp(-((disagreement / parameters.pair_scale) ** 2))
+    draw, warnings = _proposals(source, target, disagreement, parameters)
+    weigh = _weighing(source, target, similarity, settings, parameters)
 
     def batch(stream: np.random.SeedSequence, size: int) -> Votes:
         triplets1, triplets2 = draw(np.random.default_rng(stream), size)
         matrix, triplet_weights = np.zeros(similarity.shape), np.empty(len(triplets1))
         n_voting = weigh(triplets1, triplets2, votes=matrix, triplet_weights=triplet_weights)
-        best = np.argsort(-triplet_weights, kind="stable")[:KEPT]
+        best = np.argsort(-triplet_weights, kind="stable")[: parameters.kept]
         return Votes(matrix, len(triplets1), n_voting, triplets1[best], triplets2[best], triplet_weights[best])
 
     return batch, warnings
 
 
-def _weighing(source: Surface, target: Surface, similarity: np.ndarray, settings: MatchSettings) -> Callable[..., int]:
-    """:func:`vote_weighted` on these surfaces: all that is left to give is the triplets and what is written to."""
+def _weighing(
+    source: Surface,
+    target: Surface,
+    similarity: np.ndarray,
+    settings: MatchSettings,
+    parameters: VotingParameters,
+) -> Callable[..., int]:
+    """:func:`vote_weighted` on these surfaces; it remains to give the triplets and the arrays to write to."""
     return partial(
         vote_weighted,
         homogeneous(source.positions),
@@ -212,42 +215,51 @@ def _weighing(source: Surface, target: Surface, similarity: np.ndarray, settings
         geodesics1=source.normalized_distances,
         geodesics2=target.normalized_distances,
         similarity=similarity,
-        scale=WEIGHT_SCALE,
-        power=WEIGHT_POWER,
+        scale=parameters.pair_scale,
+        power=parameters.weight_power,
         least_pairs=int(np.ceil((settings.min_fraction or 0.0) * min(similarity.shape))),
         spherical=settings.distance == "spherical",
     )
 
 
-def triplet_weights_of(source: Surface, target: Surface, triplets1: np.ndarray, triplets2: np.ndarray) -> np.ndarray:
+def triplet_weights_of(
+    source: Surface,
+    target: Surface,
+    triplets1: np.ndarray,
+    triplets2: np.ndarray,
+    parameters: VotingParameters = VotingParameters(),
+) -> np.ndarray:
     """The sums of the weights (I,) of triplets (I, 3) under the default settings, as in :class:`Votes`."""
-    similarity = signature_similarity(source.signatures, target.signatures)
+    similarity = signature_similarity(source.signatures, target.signatures, parameters.similarity_width)
     triplet_weights = np.empty(len(triplets1))
-    weigh = _weighing(source, target, similarity, MatchSettings())
+    weigh = _weighing(source, target, similarity, MatchSettings(), parameters)
     weigh(triplets1, triplets2, votes=np.zeros(similarity.shape), triplet_weights=triplet_weights)
     return triplet_weights
 
 
 def _proposals(
-    source: Surface, target: Surface, disagreement: np.ndarray | None
+    source: Surface, target: Surface, disagreement: np.ndarray | None, parameters: VotingParameters
 ) -> tuple[Callable[..., Any], tuple[str, ...]]:
-    """The drawing of guided triplets, with tolerances as tight as still let most draws succeed."""
+    """The function that draws guided triplets, with the smallest tolerances that let most draws succeed."""
     central1, central2 = source.average_distances, target.average_distances
-    trial = 200
-    for widening in (1, 2, 4, 8):
-        allowed = np.abs(central1[:, None] - central2) <= widening * CENTRALITY_TOLERANCE * central1[:, None]
+    widening = 1
+    while True:
+        tolerance = widening * parameters.centrality_tolerance
+        allowed = np.abs(central1[:, None] - central2) <= tolerance * central1[:, None]
         if disagreement is not None:
-            allowed &= disagreement <= widening * HINT_TOLERANCE
+            allowed &= disagreement <= widening * parameters.length_tolerance
         draw = partial(
             guided_triplets,
             geodesics1=source.normalized_distances,
             geodesics2=target.normalized_distances,
             allowed=allowed,
-            least_spread=LEAST_SPREAD / widening,
-            tolerance=widening * LENGTH_TOLERANCE,
+            least_spread=parameters.least_spread / widening,
+            tolerance=widening * parameters.length_tolerance,
         )
-        if len(draw(np.random.default_rng(0), trial)[0]) >= trial // 2:
+        succeeded = len(draw(np.random.default_rng(0), TRIALS)[0]) >= TRIALS // 2
+        if succeeded or widening >= parameters.most_widening:
             break
+        widening *= 2
     if widening == 1:
         return draw, ()
     return draw, (
@@ -256,15 +268,14 @@ def _proposals(
     )
 
 
-def signature_similarity(signatures1: np.ndarray, signatures2: np.ndarray) -> np.ndarray:
-    """How alike the wave kernel signatures (N1, e) and (N2, e) of two sets of samples are: (N1, N2) in [0, 1].
+def signature_similarity(signatures1: np.ndarray, signatures2: np.ndarray, width: float) -> np.ndarray:
+    """Similarity (N1, N2), in [0, 1], of the wave kernel signatures (N1, e) and (N2, e) of two sets of samples.
 
-    A Gaussian of the relative L1 distance. Its width is twice the median distance of a sample to the most similar
-    one, so that descriptors speak softly between shapes that differ.
+    A Gaussian of the relative L1 distance. Its width is a multiple of the median distance of a sample to the most
+    similar one, so that descriptors have little influence between shapes that differ.
     """
     differences = np.empty((len(signatures1), len(signatures2)))
     for row, signature in zip(differences, signatures1, strict=True):
         row[:] = (np.abs(signature - signatures2) / (signature + signatures2)).mean(axis=1)
     best = np.concatenate([differences.min(axis=0), differences.min(axis=1)])
-    width = max(2 * float(np.median(best)), 1e-9)
-    return np.exp(-((differences / width) ** 2))
+    return np.exp(-((differences / max(width * float(np.median(best)), 1e-9)) ** 2))

@@ -10,7 +10,7 @@ import numpy as np
 from ..._core.display import one_line
 from ...alignments.clusters import cluster_triplets
 from ...registration.sparse import Registration, register
-from ...voting.proposals import LEAST_SPREAD, LENGTH_TOLERANCE, guided_triplets
+from ...voting.proposals import guided_triplets
 from .agreement import agreement, differences, match_by_distances
 from .pair import PartPair
 
@@ -138,8 +138,8 @@ def _best_triplets(
         pair.part.normalized_distances,
         pair.whole.normalized_distances,
         costs <= np.quantile(costs, constants.allowed_share),
-        LEAST_SPREAD,
-        LENGTH_TOLERANCE,
+        pair.voting.least_spread,
+        pair.voting.length_tolerance,
     )
     points1, points2 = (
         np.arange(0, len(surface.proxy), max(1, len(surface.proxy) // number))

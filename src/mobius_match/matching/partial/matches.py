@@ -60,7 +60,9 @@ def probability(of: dict[str, np.ndarray], constants: PartialParameters) -> np.n
         "stretch": constants.stretch_slope,
         "cost": constants.cost_slope,
     }
-    score = constants.offset + sum(slope * np.log(of[kind] + constants.floor) for kind, slope in slopes.items())
+    score = constants.offset + sum(
+        slope * np.log(of[kind] + pair.registration.confidence.floor) for kind, slope in slopes.items()
+    )
     return np.asarray(1 / (1 + np.exp(-score)))
 
 

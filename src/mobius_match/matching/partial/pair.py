@@ -15,6 +15,7 @@ from ...registration.parameters import RegistrationParameters
 from ...registration.sparse import Registration
 from ...registration.strain import mean_stretch
 from ...surface.surface import PartialSurface, Surface
+from ...voting.parameters import VotingParameters
 from .agreement import Paths
 from .parameters import PartialParameters
 
@@ -42,9 +43,11 @@ class PartPair:
         parameters: PartialParameters,
         registration: RegistrationParameters,
         constraints: LandmarkConstraints | None = None,
+        voting: VotingParameters = VotingParameters(),
     ) -> None:
         self.part, self.whole = PartialSurface.of(part, whole.area), whole
         self.parameters, self.registration, self.constraints = parameters, registration, constraints
+        self.voting = voting
         self.paths1, self.paths2 = _paths(self.part), _paths(whole)
         self.samples1, self.samples2 = (np.searchsorted(surface.proxy, surface.samples) for surface in (part, whole))
         curvatures2 = self._curvatures(whole)
@@ -63,7 +66,9 @@ class PartPair:
 
     def _curvatures(self, surface: Surface) -> np.ndarray:
         vertices = (surface.mesh.vertices - surface.mesh.vertices.mean(axis=0)) / surface.scale
-        return curvatures(vertices, surface.mesh.faces, self.parameters.curvature_radii)
+        constants = surface.parameters
+        radii = constants.curvature_radius, constants.wide_curvature_radius
+        return curvatures(vertices, surface.mesh.faces, radii)
 
     def at_samples(self) -> PartPair:
         """The same with the samples of the part as all of its points, to compare many maps."""

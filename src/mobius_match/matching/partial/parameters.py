@@ -48,9 +48,6 @@ class PartialParameters:
     )
 
     # Error of matching two points.
-    curvature_radii: tuple[float, float] = parameter(
-        (0.03, 0.1), "widths that Gauss and mean curvature are smoothed to", unit=AREA, origin=HAND
-    )
     curvature_weight: float = parameter(
         0.033, "error that a difference in curvature by one standard deviation equals", unit=AREA, origin=HAND
     )
@@ -88,6 +85,9 @@ class PartialParameters:
     same_cost: float = parameter(
         1.0, "cost of an alignment of two surfaces with openings below which they correspond as wholes", origin=HAND
     )
+    incomplete_factor: float = parameter(
+        0.5, "confidence is multiplied by this where each surface may lack what the other has", origin=HAND
+    )
     incomplete_cost: float = parameter(
         3.5,
         "cost of an alignment of two surfaces with openings above which each lacks a part of the other",
@@ -101,7 +101,6 @@ class PartialParameters:
     boundary_margin: float = parameter(
         0.035, "distance from the cut below which no match is reported", unit=AREA, origin=HAND
     )
-    floor: float = parameter(0.01, "added to the features before their logarithm", origin=HAND)
     offset: float = parameter(-3.93, "offset of the logistic regression", origin=SCRIPT)
     distance_slope: float = parameter(-0.83, "slope for the mean error of the distances", origin=SCRIPT)
     residual_slope: float = parameter(-0.78, "slope for the residual", origin=SCRIPT)

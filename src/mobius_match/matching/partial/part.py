@@ -21,6 +21,7 @@ from ...landmarks.constraints import LandmarkConstraints
 from ...registration.parameters import RegistrationParameters
 from ...registration.sparse import Registration
 from ...surface.surface import Surface
+from ...voting.parameters import VotingParameters
 from .coverage import Coverage
 from .locate import fit, locate
 from .matches import boundary_length, points_on_part, points_on_whole
@@ -60,6 +61,7 @@ def match_part(
     seed: int,
     jobs: int | None = None,
     constraints: LandmarkConstraints | None = None,
+    voting: VotingParameters = VotingParameters(),
 ) -> tuple[PartMatch | None, list[str]]:
     """Match two surfaces if one of them is a part of the other.
 
@@ -75,6 +77,8 @@ def match_part(
         Threads; None for as many as there are processors. The result does not depend on it.
     constraints
         Given pairs of points.
+    voting
+        Constants of triplets.
 
     Returns
     -------
@@ -89,7 +93,7 @@ def match_part(
     if constraints is not None and part is target:
         constraints = constraints.inverse
     with ThreadPoolExecutor(jobs or os.cpu_count() or 1) as pool:
-        pair = PartPair(part, whole, parameters, registration, constraints)
+        pair = PartPair(part, whole, parameters, registration, constraints, voting)
         size, fits = best_size(pair, part.area / whole.area, seed, pool)
         pair = pair.scaled(size)
         placement = locate(pair, np.random.default_rng(seed), pool) if fits else None

@@ -23,7 +23,6 @@ class SymmetryParameters:
         "width of the similarity of signatures, in medians of the difference to the most similar other sample",
         origin=HAND,
     )
-    attempts: int = parameter(50, "mean number of draws for a triplet before the search ends", origin=HAND)
     least_confidence: float = parameter(0.4, "confidence below which a pair is left out", origin=HAND)
     stationary_pairs: int = parameter(30, "best pairs that determine the stationary vertices", origin=HAND)
     stationary_tolerance: float = parameter(

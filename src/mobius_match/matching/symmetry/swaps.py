@@ -17,18 +17,23 @@ from ...settings import MatchSettings
 from ...surface.surface import Surface
 from ...voting.kernel import vote_weighted
 from ...voting.mobius import homogeneous
-from ...voting.proposals import CENTRALITY_TOLERANCE, LEAST_SPREAD, LENGTH_TOLERANCE
-from ...voting.votes import KEPT, WEIGHT_POWER, WEIGHT_SCALE, Votes
+from ...voting.parameters import VotingParameters
+from ...voting.votes import Votes
 from .parameters import SymmetryParameters
 
 BATCHES = 32
 """Batches of triplets, each with its own random stream."""
 
 
+ATTEMPTS = 50
+"""Mean number of draws for a triplet before the search for more ends."""
+
+
 def cast_swap_votes(
     surface: Surface,
     settings: MatchSettings,
     parameters: SymmetryParameters,
+    voting: VotingParameters,
     progress: Progress | None = None,
 ) -> Votes:
     """Algorithm 2 with weighted pairs on a surface and its mirror image, by triplets that swap two samples.
@@ -39,7 +44,7 @@ def cast_swap_votes(
         The surface.
     settings
         Number of triplets, seed, and number of threads; the result does not depend on the last.
-    parameters
+    parameters, voting
         Constants of the method.
     progress
         Called as ``progress("voting", batches done, batches)``.
@@ -47,17 +52,17 @@ def cast_swap_votes(
     Returns
     -------
     Votes
-        ``best2`` and the columns of the matrix are samples of the same surface.
+        ``best_target`` and the columns of the matrix are samples of the same surface.
     """
     geodesics, central = surface.normalized_distances, surface.average_distances
     points, mirrored = homogeneous(surface.positions), homogeneous(surface.positions.conj())
-    allowed = np.abs(central[:, None] - central) <= CENTRALITY_TOLERANCE * np.minimum(central[:, None], central)
+    allowed = np.abs(central[:, None] - central) <= voting.centrality_tolerance * np.minimum(central[:, None], central)
     # A point that stays near its place supports the identity as well.
     moved = 1 - np.exp(-((geodesics / parameters.radius) ** 2))
     similarity = self_similarity(surface.signatures, parameters.similarity_width) * moved
 
     def batch(stream: np.random.SeedSequence, size: int) -> Votes:
-        here, there = swap_triplets(np.random.default_rng(stream), size, geodesics, allowed, parameters.attempts)
+        here, there = swap_triplets(np.random.default_rng(stream), size, geodesics, allowed, voting)
         matrix, triplet_weights = np.zeros(similarity.shape), np.empty(len(here))
         n_voting = vote_weighted(
             points,
@@ -67,14 +72,14 @@ def cast_swap_votes(
             geodesics1=geodesics,
             geodesics2=geodesics,
             similarity=similarity,
-            scale=WEIGHT_SCALE,
-            power=WEIGHT_POWER,
+            scale=voting.pair_scale,
+            power=voting.weight_power,
             least_pairs=0,
             spherical=False,
             votes=matrix,
             triplet_weights=triplet_weights,
         )
-        best = np.argsort(-triplet_weights, kind="stable")[: min(KEPT, np.count_nonzero(triplet_weights))]
+        best = np.argsort(-triplet_weights, kind="stable")[: min(voting.kept, np.count_nonzero(triplet_weights))]
         return Votes(matrix, len(here), n_voting, here[best], there[best], triplet_weights[best])
 
     total = settings.number_of_votes()
@@ -86,7 +91,7 @@ def cast_swap_votes(
             streams = np.random.SeedSequence(settings.seed).spawn(BATCHES)
             # Summed in the order of the batches, whichever thread is done first.
             for done, more in enumerate(pool.map(batch, streams, sizes)):
-                votes += more
+                votes = votes.plus(more, voting.kept)
                 if progress is not None:
                     progress("voting", done + 1, BATCHES)
         except BaseException:
@@ -96,7 +101,11 @@ def cast_swap_votes(
 
 
 def swap_triplets(
-    generator: np.random.Generator, count: int, geodesics: np.ndarray, allowed: np.ndarray, attempts: int
+    generator: np.random.Generator,
+    count: int,
+    geodesics: np.ndarray,
+    allowed: np.ndarray,
+    voting: VotingParameters,
 ) -> tuple[np.ndarray, np.ndarray]:
     """Triplets (i, j, k) and their images (j, i, l) that agree in their distances, (found, 3) int64 each.
 
@@ -110,13 +119,13 @@ def swap_triplets(
         (N, N) float64 distances between the samples per sqrt(area).
     allowed
         (N, N) bool: which samples may be matched.
-    attempts
-        Mean number of draws for a triplet before the search ends.
+    voting
+        Least spread and tolerance of triplets.
     """
     n = len(geodesics)
-    apart = geodesics >= LEAST_SPREAD
+    apart = geodesics >= voting.least_spread
     found = np.empty((0, 4), np.int64)
-    for _ in range(attempts):
+    for _ in range(ATTEMPTS):
         if len(found) >= count:
             break
         i, j, k = generator.integers(0, n, (3, count))
@@ -125,7 +134,8 @@ def swap_triplets(
         fits = allowed[k] & (geodesics[i] > 0) & (geodesics[j] > 0)
         for far, near in ((i, j), (j, i)):  # d(j, l) = d(i, k), and d(i, l) = d(j, k)
             fits &= (
-                np.abs(geodesics[far, k][:, None] - geodesics[near]) <= LENGTH_TOLERANCE * geodesics[far, k][:, None]
+                np.abs(geodesics[far, k][:, None] - geodesics[near])
+                <= voting.length_tolerance * geodesics[far, k][:, None]
             )
         some = fits.any(axis=1)
         image = np.argmax(np.where(fits, generator.random(fits.shape), -1.0), axis=1)

@@ -102,13 +102,14 @@ def symmetry(
     if half is not surface:
         timings |= surface.timings
     begin = time.perf_counter()
-    votes = cast_swap_votes(surface, chosen, parameters, progress)
+    alignment = AlignmentParameters()
+    votes = cast_swap_votes(surface, chosen, parameters, alignment.voting, progress)
     timings["voting"] = time.perf_counter() - begin
     begin = time.perf_counter()
     # One BLAS thread: sums must not depend on the number of processors.
     with threadpool_limits(limits=1, user_api="blas"):
         mirrored = replace(surface, positions=surface.positions.conj())
-        found = candidate_alignments(surface, mirrored, votes, AlignmentParameters(), with_extremities=False)
+        found = candidate_alignments(surface, mirrored, votes, alignment, with_extremities=False)
         pairs, confidence, stationary, score = _pairs(surface, votes, found, parameters)
     timings |= {"pairs": time.perf_counter() - begin, "total": time.perf_counter() - start}
     numbers = surface.mesh.vertex_ids
