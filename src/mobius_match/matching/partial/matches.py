@@ -51,8 +51,8 @@ def _neighbour_means(surface: Surface) -> sp.csr_matrix:
     return sp.csr_matrix((1 / number[start], (start, end)), shape=(size, size))
 
 
-def probability(of: dict[str, np.ndarray], constants: PartialParameters) -> np.ndarray:
-    """Logistic function (q,) of the logarithms of :func:`features`."""
+def probability(of: dict[str, np.ndarray], constants: PartialParameters, floor: float) -> np.ndarray:
+    """Logistic function (q,) of the logarithms of :func:`features`, to which the floor is added before."""
     slopes = {
         "distances": constants.distance_slope,
         "residual": constants.residual_slope,
@@ -60,9 +60,7 @@ def probability(of: dict[str, np.ndarray], constants: PartialParameters) -> np.n
         "stretch": constants.stretch_slope,
         "cost": constants.cost_slope,
     }
-    score = constants.offset + sum(
-        slope * np.log(of[kind] + pair.registration.confidence.floor) for kind, slope in slopes.items()
-    )
+    score = constants.offset + sum(slope * np.log(of[kind] + floor) for kind, slope in slopes.items())
     return np.asarray(1 / (1 + np.exp(-score)))
 
 
@@ -73,7 +71,8 @@ def match_probabilities(pair: PartPair, placement: Placement) -> np.ndarray:
     if boundary_length(pair.whole) > constants.opening:  # what the whole lacks is pressed against its boundary
         positions = placement.registration.positions
         inside &= distance_to_boundary(pair.whole, positions) >= constants.boundary_margin
-    return np.where(inside, support(placement, constants) * probability(found, constants), 0.0)
+    likely = probability(found, constants, pair.registration.confidence.floor)
+    return np.where(inside, support(placement, constants) * likely, 0.0)
 
 
 def support(placement: Placement, constants: PartialParameters) -> np.ndarray:
