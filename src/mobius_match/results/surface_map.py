@@ -232,8 +232,8 @@ class SurfaceMap:
         numpy.ndarray
             (k, k) float64: the area-weighted least-squares solution over the target's vertices that have a counterpart.
             Where all have one it is ``Phi2.T @ A2 @ P @ Phi1``, with the eigenfunctions Phi1 and Phi2, the target's
-            areas A2, and P the interpolation at ``source_points``. The entries have no unit if both meshes have
-            the same area; else the units of sqrt(area of target / area of source).
+            areas A2, and P the interpolation at ``source_points``. For shapes that are isometric up to scale it
+            is sqrt(area of target / area of source) times an orthogonal matrix.
 
         Raises
         ------
