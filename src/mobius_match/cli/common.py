@@ -53,7 +53,9 @@ def option_names(command: Callable[..., None]) -> dict[str, str]:
     names = {}
     for name, annotation in typing.get_type_hints(command, include_extras=True).items():
         for declared in getattr(annotation, "__metadata__", ()):
-            options = [word for word in declared.param_decls or () if word.startswith("--")]
+            # Typer holds the first name of an option as its default.
+            words = declared.default, *(declared.param_decls or ())
+            options = [word for word in words if isinstance(word, str) and word.startswith("--")]
             is_argument = type(declared).__name__ == "ArgumentInfo"
             default = (declared.metavar or name.upper()) if is_argument else f"--{name.replace('_', '-')}"
             names[name] = options[0] if options else default
