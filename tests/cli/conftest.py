@@ -45,7 +45,7 @@ def mobius(monkeypatch, capsys):
 
 @pytest.fixture
 def start_mobius():
-    """Start the command line as a process; what is still running at the end of the test is killed."""
+    """Start the command line as a process, which is killed if it still runs at the end of the test."""
     started = []
 
     def start(*arguments, **options):
@@ -128,9 +128,13 @@ def at_vertices(mesh, vertices):
 
 
 @pytest.fixture(scope="module")
-def kept(shape, tmp_path_factory):
-    """A folder with a map of a dressed mesh to a renumbered copy, part of which has no counterpart."""
-    folder = tmp_path_factory.mktemp("kept")
+def saved_map(shape, tmp_path_factory):
+    """A map of a mesh with attributes to a renumbered copy, part of which has no counterpart, and their files.
+
+    Its values: the folder of the files, the map, the new number of each vertex, which vertices of the copy have no
+    counterpart, and the attributes.
+    """
+    folder = tmp_path_factory.mktemp("saved_map")
     vertices, faces = np.array(shape[0], np.float32).astype(float), np.array(shape[1])
     rng = np.random.default_rng(0)
     number = rng.permutation(len(vertices))
@@ -140,14 +144,16 @@ def kept(shape, tmp_path_factory):
     Image.fromarray(rng.integers(0, 256, (8, 8, 3), dtype=np.uint8)).save(picture, "PNG")
     colors = rng.integers(0, 256, (len(vertices), 4), dtype=np.uint8)
     uv = (vertices[:, :2] / 10 + 0.5)[faces]
-    kept = {"colors": colors, "uv": uv, "image": picture.getvalue(), "labels": np.arange(len(faces)) % 7}
+    attributes = {"colors": colors, "uv": uv, "image": picture.getvalue(), "labels": np.arange(len(faces)) % 7}
     for path, content in {
-        **mesh_files(folder / "one.ply", vertices, faces, **kept),
+        **mesh_files(folder / "one.ply", vertices, faces, **attributes),
         **mesh_files(folder / "two.ply", moved, number[faces]),
     }.items():
         path.write_bytes(content)
     one, two = (repair(mm.read_mesh(folder / name)) for name in ("one.ply", "two.ply"))
     lost = moved[:, 2] > np.sort(moved[:, 2])[-40]
-    every = SurfaceMap(one, two, at_vertices(two, number), at_vertices(one, np.argsort(number)), ~lost[number], ~lost)
-    every.save(folder / "map.npz")
-    return folder, every, number, lost, kept
+    surface_map = SurfaceMap(
+        one, two, at_vertices(two, number), at_vertices(one, np.argsort(number)), ~lost[number], ~lost
+    )
+    surface_map.save(folder / "map.npz")
+    return folder, surface_map, number, lost, attributes

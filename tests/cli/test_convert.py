@@ -12,9 +12,9 @@ from mobius_match.results.surface_map import SurfaceMap
 
 
 @pytest.fixture(scope="module")
-def given(kept, tmp_path_factory):
-    """A folder with a result of the meshes of ``kept``, written as it would be, and their map."""
-    folder, surface_map, number, *_ = kept
+def given(saved_map, tmp_path_factory):
+    """A folder with a result of the meshes of ``saved_map``, written as it would be, and their map."""
+    folder, surface_map, number, *_ = saved_map
     some = np.flatnonzero(surface_map.source_mapped)[:20]
     infos = [
         {"path": str(folder / name), "sha256": mm.read_mesh(folder / name).sha256, "vertices": 642, "faces": 1280}
@@ -87,9 +87,9 @@ def test_errors_of_convert(mobius, given, tmp_path, monkeypatch, arguments, code
 
 @pytest.mark.parametrize("start", [name for name, form in FORMATS.items() if form.write_landmarks])
 @pytest.mark.parametrize("end", [name for name, form in FORMATS.items() if form.write_landmarks])
-def test_landmarks_in_any_format_to_any_other_and_back(mobius, given, kept, tmp_path, start, end):
+def test_landmarks_in_any_format_to_any_other_and_back(mobius, given, saved_map, tmp_path, start, end):
     """The map takes vertex to vertex: places come out as they are in the other file, to the last digit."""
-    _, surface_map, number, lost, _ = kept
+    _, surface_map, number, lost, _ = saved_map
     some = np.flatnonzero(surface_map.source_mapped)[3:8]
     gone = np.argsort(number)[lost][:1]
     source, target = surface_map.source.vertices, surface_map.target.vertices
@@ -115,8 +115,8 @@ def test_landmarks_in_any_format_to_any_other_and_back(mobius, given, kept, tmp_
     assert mm.read_landmarks(back).points.tobytes() == source[some].tobytes()
 
 
-def test_what_lies_beside_the_surface_or_is_missing_is_told(mobius, given, kept, tmp_path):
-    _, surface_map, *_ = kept
+def test_landmarks_off_the_surface_or_missing_are_reported(mobius, given, saved_map, tmp_path):
+    _, surface_map, *_ = saved_map
     some = np.flatnonzero(surface_map.source_mapped)[:3]
     places = surface_map.source.vertices[some].copy()
     places[1] *= 1.5
@@ -133,8 +133,8 @@ def test_what_lies_beside_the_surface_or_is_missing_is_told(mobius, given, kept,
     assert mm.read_landmarks(tmp_path / "b.fcsv").names == ["p", "q", "r"]
 
 
-def test_a_file_in_the_other_system_is_converted(mobius, given, kept, tmp_path):
-    _, surface_map, *_ = kept
+def test_a_file_in_the_other_system_is_converted(mobius, given, saved_map, tmp_path):
+    _, surface_map, *_ = saved_map
     some = np.flatnonzero(surface_map.source_mapped)[:4]
     marks = Landmarks(list("abcd"), None, surface_map.source.vertices[some] * [-1, -1, 1])
     (tmp_path / "a.fcsv").write_bytes(FORMATS["fcsv"].write_landmarks([marks], "", "RAS"))
@@ -170,8 +170,8 @@ def test_landmarks_by_vertex_and_of_a_match_that_is_made_again(mobius, pair, tmp
         (("lost.csv", "-o", "b.csv"), 4, "lost.csv: none of its landmarks has a counterpart on two.ply"),
     ],
 )
-def test_errors_of_landmarks(mobius, given, kept, tmp_path, monkeypatch, arguments, code, message):
-    _, _, number, lost, _ = kept
+def test_errors_of_landmarks(mobius, given, saved_map, tmp_path, monkeypatch, arguments, code, message):
+    _, _, number, lost, _ = saved_map
     texts = {
         "a.csv": "x,y,z\n0,0,1\n",
         "two.tps": "LM3=1\n0 0 1\nLM3=1\n0 0 1\n",

@@ -12,7 +12,7 @@ from mobius_match.evaluation import examples
 from mobius_match.geometry.geodesics import geodesic_solver
 
 
-def test_every_pair_is_matched_measured_and_kept(mobius, tmp_path):
+def test_every_pair_is_matched_measured_and_saved(mobius, tmp_path):
     folder = tmp_path / "new" / "folder"
     ended = mobius("demo", "-o", folder, "--json")
     assert ended.code == 0, ended.err

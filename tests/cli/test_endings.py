@@ -1,8 +1,8 @@
 """Exit codes, the one line that goes with them, and what is left on the disk."""
 
 import os
-import pty
 import signal
+import sys
 import threading
 from dataclasses import replace
 from pathlib import Path
@@ -85,7 +85,8 @@ def test_an_input_is_not_overwritten(mobius, pair, tmp_path, option, role):
     assert inputs[role].read_bytes() == before
 
 
-@pytest.mark.skipif(os.geteuid() == 0, reason="root may write everywhere")
+@pytest.mark.skipif(sys.platform == "win32", reason="permissions of folders are of POSIX")
+@pytest.mark.skipif(getattr(os, "geteuid", int)() == 0, reason="root may write everywhere")
 def test_a_folder_without_permission(mobius, tmp_path):
     tmp_path.chmod(0o500)
     ended_with(mobius("match", "a.off", "b.off", "-o", tmp_path / "result.json"), 2, "cannot be written")
@@ -178,6 +179,7 @@ def test_output_goes_through_a_link(mobius, pair, tmp_path):
 )
 def test_interruption_at_work(start_mobius, pair, tmp_path, sent, code, word):
     """On a terminal, where progress is shown: wait for the voting, then interrupt it."""
+    pty = pytest.importorskip("pty")
     terminal, theirs = pty.openpty()
     output = tmp_path / "result.json"
     process = start_mobius("match", *pair[:2], *LONG, "-o", output, stderr=theirs)
@@ -221,6 +223,7 @@ def _read_until(terminal, word):
     return seen
 
 
+@pytest.mark.skipif(sys.platform == "win32", reason="there is no SIGPIPE")
 def test_a_closed_pipe_ends_quietly(start_mobius, pair):
     process = start_mobius("match", *pair[:2], "--samples", 40, "--votes", 500, "--json", "--quiet")
     process.stdout.close()

@@ -161,7 +161,7 @@ def test_a_mesh_matches_itself(mobius, pair):
     assert np.mean([row["source"] == row["target"] for row in rows]) >= 0.95
 
 
-def test_a_repair_is_told(mobius, pair, tmp_path):
+def test_a_repair_is_reported(mobius, pair, tmp_path):
     lines = pair[0].read_text().split("\n")
     extra = tmp_path / "extra.off"
     header, first = lines[1].split(), "9 9 9"

@@ -13,7 +13,7 @@ from mobius_match.results.surface_map import SurfaceMap
 
 
 @pytest.fixture(scope="module")
-def kept(shape, tmp_path_factory):
+def saved_map(shape, tmp_path_factory):
     """The file of a map from a shape to itself, stretched and set aside."""
     one, two = Mesh(*shape), Mesh(shape[0] * [1, 1, 2] + [5, 5, 5], shape[1])
     corner = np.empty(len(one.vertices), np.int64)
@@ -26,8 +26,8 @@ def kept(shape, tmp_path_factory):
 
 
 @pytest.mark.parametrize("back", [False, True])
-def test_frames_and_animation(mobius, kept, tmp_path, back):
-    path, *meshes = kept
+def test_frames_and_animation(mobius, saved_map, tmp_path, back):
+    path, *meshes = saved_map
     first = meshes[back]
     out = tmp_path / "new" / "folder"
     ended = mobius("morph", path, "--frames", 3, "--pixels", 96, "-o", out, *(["--back"] if back else []))
@@ -43,8 +43,8 @@ def test_frames_and_animation(mobius, kept, tmp_path, back):
     assert np.abs(one - two).max() < 3 < np.abs(one).max() - 5
 
 
-def test_no_pictures(mobius, kept, tmp_path):
-    assert mobius("morph", kept[0], "--frames", 2, "--pixels", 0, "-o", tmp_path).code == 0
+def test_no_pictures(mobius, saved_map, tmp_path):
+    assert mobius("morph", saved_map[0], "--frames", 2, "--pixels", 0, "-o", tmp_path).code == 0
     assert [one.name for one in tmp_path.iterdir()] == ["morph.glb"]
 
 
@@ -58,10 +58,10 @@ def test_no_pictures(mobius, kept, tmp_path):
         (("-o", "file/below"), "the folder file/below cannot be created"),
     ],
 )
-def test_errors(mobius, kept, tmp_path, monkeypatch, options, message):
+def test_errors(mobius, saved_map, tmp_path, monkeypatch, options, message):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "file").write_text("")
-    ended = mobius("morph", kept[0], "-o", "out", *options)
+    ended = mobius("morph", saved_map[0], "-o", "out", *options)
     assert (ended.code, ended.out) == (2, "")
     assert message in ended.err
     assert [one.name for one in tmp_path.iterdir()] == ["file"]

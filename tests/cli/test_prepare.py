@@ -127,7 +127,7 @@ def test_the_command_keeps_what_it_prepared_and_uses_it(mobius, pair, tmp_path, 
     assert list(cache_folder.iterdir()) == []
 
 
-def test_a_damaged_file_of_the_cache_is_told_if_verbose(mobius, pair, cache_folder, tmp_path):
+def test_a_damaged_file_of_the_cache_is_reported_if_verbose(mobius, pair, cache_folder, tmp_path):
     for options in (["-v"], []):
         shutil.rmtree(cache_folder, ignore_errors=True)
         mobius("match", *pair[:2], *QUICK)

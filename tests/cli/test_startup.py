@@ -53,7 +53,7 @@ def test_help_names_every_command(mobius):
 
 
 @pytest.mark.parametrize("quiet", [False, True])
-def test_compiling_is_told_once_and_not_if_quiet_or_kept(capsys, quiet):
+def test_compiling_is_reported_once_and_not_if_quiet_or_cached(capsys, quiet):
     for source in ("def kernel(x): return x + 1", "def kernel(x): return x + 2"):
         names = {}
         exec(source, names)
@@ -109,7 +109,7 @@ sys.stderr.write("".join(told))
 """
 
 
-def test_kernels_work_where_none_can_be_kept(start_process):
+def test_kernels_work_where_none_can_be_cached(start_process):
     out, err = start_process("-c", READ_ONLY)
     assert out == "2"
     why = "in every run: no cache folder is writable; set NUMBA_CACHE_DIR to one"

@@ -67,7 +67,7 @@ def test_without_options_a_table_is_printed(mobius, twofold):
     assert "\x1b" not in ended.out + ended.err
 
 
-def test_a_shape_without_symmetry_is_told(mobius, pair):
+def test_a_shape_without_symmetry_is_reported(mobius, pair):
     ended = mobius("symmetry", pair[0], "--json")
     if ended.code == 4:
         assert "no mirror symmetry" in ended.err

@@ -13,8 +13,8 @@ from mobius_match.mesh.appearance import read_appearance
 
 
 @pytest.mark.parametrize("kind", ["ply", "obj", "glb", "npz", "csv", "txt"])
-def test_colours(mobius, kept, kind, tmp_path):
-    folder, surface_map, number, lost, given = kept
+def test_colours(mobius, saved_map, kind, tmp_path):
+    folder, surface_map, number, lost, given = saved_map
     out = tmp_path / f"out.{kind}"
     ended = mobius("transfer", folder / "map.npz", "--what", "colors", "-o", out)
     assert (ended.code, ended.out) == (0, ""), ended.err
@@ -37,8 +37,8 @@ def test_colours(mobius, kept, kind, tmp_path):
 
 
 @pytest.mark.parametrize("kind", ["ply", "obj", "glb"])
-def test_textures(mobius, kept, kind, tmp_path):
-    folder, surface_map, _, lost, given = kept
+def test_textures(mobius, saved_map, kind, tmp_path):
+    folder, surface_map, _, lost, given = saved_map
     ended = mobius("transfer", folder / "map.npz", "--what", "uv", "-o", tmp_path / f"out.{kind}")
     assert ended.code == 0, ended.err
     found = read_appearance(tmp_path / f"out.{kind}")
@@ -52,8 +52,8 @@ def test_textures(mobius, kept, kind, tmp_path):
     assert {path.name for path in tmp_path.iterdir()} == {f"out.{kind}", *beside}
 
 
-def test_several_things_at_once_and_back(mobius, kept, tmp_path):
-    folder, surface_map, number, lost, given = kept
+def test_several_things_at_once_and_back(mobius, saved_map, tmp_path):
+    folder, surface_map, number, lost, given = saved_map
     height = surface_map.source.vertices[:, 2]
     np.savez(tmp_path / "given.npz", height=height, part=np.arange(len(height)))
     what = ("--what", "labels", "--what", "colors", "--what", tmp_path / "given.npz")
@@ -71,8 +71,8 @@ def test_several_things_at_once_and_back(mobius, kept, tmp_path):
 
 
 @pytest.mark.parametrize("kind", ["ply", "obj", "glb", "npz"])
-def test_positions(mobius, kept, kind, tmp_path):
-    folder, surface_map, _, lost, _ = kept
+def test_positions(mobius, saved_map, kind, tmp_path):
+    folder, surface_map, _, lost, _ = saved_map
     ended = mobius("transfer", folder / "map.npz", "--what", "positions", "-o", tmp_path / f"out.{kind}")
     assert ended.code == 0, ended.err
     assert f"{lost.sum()} vertices have no counterpart" in ended.err
@@ -90,8 +90,8 @@ def test_positions(mobius, kept, kind, tmp_path):
     np.testing.assert_allclose(places[~gone], surface_map.source.vertices[~gone], atol=1e-6)
 
 
-def test_landmarks_and_curves(mobius, kept, tmp_path):
-    folder, surface_map, number, lost, _ = kept
+def test_landmarks_and_curves(mobius, saved_map, tmp_path):
+    folder, surface_map, number, lost, _ = saved_map
     source = surface_map.source
     some = np.flatnonzero(surface_map.source_mapped)[:5]
     marks = tmp_path / "marks.csv"
@@ -167,7 +167,7 @@ def test_a_result_is_matched_again(mobius, pair, tmp_path):
         (("--what", "broken.npz", "-o", "out.csv"), 3, "broken.npz: cannot be read"),
     ],
 )
-def test_errors(mobius, kept, tmp_path, monkeypatch, options, code, message):
+def test_errors(mobius, saved_map, tmp_path, monkeypatch, options, code, message):
     texts = {
         "marks.csv": "vertex\n3\n",
         "far.csv": "vertex\n9999\n",
@@ -180,7 +180,7 @@ def test_errors(mobius, kept, tmp_path, monkeypatch, options, code, message):
     }
     for name, text in texts.items():
         (tmp_path / name).write_text(text)
-    (tmp_path / "map.npz").write_bytes((kept[0] / "map.npz").read_bytes())
+    (tmp_path / "map.npz").write_bytes((saved_map[0] / "map.npz").read_bytes())
     monkeypatch.chdir(tmp_path)
     before = {path.name for path in tmp_path.iterdir()}
     ended = mobius("transfer", "map.npz", *options)

@@ -42,7 +42,7 @@ def page(result: Correspondence, *, dense: SurfaceMap | None = None, truth: Trut
     Returns
     -------
     str
-        All of an HTML file.
+        The text of an HTML file.
 
     Raises
     ------
@@ -80,7 +80,7 @@ def page(result: Correspondence, *, dense: SurfaceMap | None = None, truth: Trut
 
 
 def show(result: Correspondence, *, dense: SurfaceMap | None = None) -> View:
-    """Show the page of a result in the notebook, or else in the browser; see :func:`page`."""
+    """Show the page of a result in the notebook, or in the browser if there is no notebook; see :func:`page`."""
     return displayed(page(result, dense=dense))
 
 

@@ -1,4 +1,4 @@
-"""Where a page is looked at: in the notebook that asks for it, or else in the browser."""
+"""Display of a page: in the notebook, or in the browser if there is no notebook."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ log = logging.getLogger(__name__)
 
 @dataclass(frozen=True)
 class View:
-    """A page that a notebook shows.
+    """A page that a notebook displays.
 
     Parameters
     ----------
     html
-        The page: all of an HTML file.
+        The text of an HTML file.
     """
 
     html: str
@@ -32,25 +32,25 @@ class View:
         return f"<View: a page of {len(self.html):,} characters; save(path) writes it>"
 
     def _repr_html_(self) -> str:
-        # A frame of its own: the page neither sees the notebook nor changes it.
+        # A frame isolates the page from the notebook.
         return (
             f'<iframe srcdoc="{html.escape(self.html)}" sandbox="allow-scripts allow-downloads" '
             'title="Matches on both shapes" style="width: 100%; height: 640px; border: 0"></iframe>'
         )
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Write the page to a file; an existing one is replaced at once or not at all.
+        """Write the page to a file completely or not at all; an existing file is replaced.
 
         Parameters
         ----------
         path
-            The file, which any browser shows without network. Name it .html.
+            The file, with the ending .html.
         """
         write_atomically(Path(path), self.html.encode())
 
 
 def displayed(content: str) -> View:
-    """The page as a notebook shows it; where there is no notebook, it is opened in the browser too."""
+    """A page for display in a notebook; without a notebook it is also opened in the browser."""
     view = View(content)
     if not in_notebook():
         path, opened = open_in_browser(content)
@@ -60,15 +60,15 @@ def displayed(content: str) -> View:
 
 
 def in_notebook() -> bool:
-    """Whether this runs in a notebook: in IPython with a kernel."""
+    """Whether this runs in a notebook, that is in IPython with a kernel."""
     ipython = sys.modules.get("IPython")
     shell = None if ipython is None else ipython.get_ipython()
     return getattr(shell, "kernel", None) is not None
 
 
 def open_in_browser(content: str) -> tuple[Path, bool]:
-    """Write a page to a temporary file and open it; the file, and whether there is a browser."""
-    # The browser may read the file after this process has ended, so it stays.
+    """Write a page to a temporary file and open it; the file, and whether a browser was found."""
+    # The file stays, as the browser may read it after this process has ended.
     with tempfile.NamedTemporaryFile(prefix="mobius-", suffix=".html", delete=False) as file:
         file.write(content.encode())
     path = Path(file.name)
