@@ -2,7 +2,6 @@
 
 import json
 import os
-import pty
 import shutil
 import signal
 import sys
@@ -166,7 +165,7 @@ def test_interrupted_with_all_its_processes(start_mobius, two, tmp_path, moment,
 
 
 def test_progress_with_the_time_left_on_a_terminal(start_mobius, two, tmp_path):
-    control, terminal = pty.openpty()
+    control, terminal = pytest.importorskip("pty").openpty()
     environment = {**os.environ, "TERM": "xterm", "COLUMNS": "100"}
     process = start_mobius("bench", two, "-o", tmp_path / "out", *QUICK, stderr=terminal, env=environment)
     os.close(terminal)
