@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import scipy.sparse as sp
 
-from mobius_match.geometry.cholesky import Pattern
+from mobius_match.geometry.cholesky import Pattern, factorized
 from mobius_match.geometry.laplacian import intrinsic_mesh
 from tests.shapes import bent, grid, lump
 
@@ -48,3 +48,12 @@ def test_other_entries_and_zeros_among_them():
     rows, columns = matrix.nonzero()
     found = pattern.factors(values[rows, columns]).solve(right)
     np.testing.assert_allclose(values @ found, right, atol=1e-9)
+
+
+def test_a_single_matrix():
+    mesh = intrinsic_mesh(*lump(2))
+    matrix = mesh.laplacian + sp.diags(mesh.masses)
+    right = np.random.default_rng(0).normal(size=(mesh.n_vertices, 3))
+    found = factorized(matrix).solve(right)
+    np.testing.assert_allclose(matrix @ found, right, atol=1e-10)
+    np.testing.assert_allclose(found, mesh.pattern.factors(mesh.laplacian.data, mesh.masses).solve(right), rtol=1e-9)

@@ -61,6 +61,10 @@ def test_intrinsic_delaunay_has_no_negative_weight():
     assert least_weight(intrinsic_mesh(vertices, faces, delaunay=True)) > -1e-9
 
 
+def test_a_short_text():
+    assert repr(intrinsic_mesh(*icosphere(1))) == "IntrinsicMesh(42 vertices, 80 faces, 120 edges)"
+
+
 def test_edges_are_glued_by_length():
     """Both sides of an edge have the same length, also where two edges join the same vertices."""
     mesh = intrinsic_mesh(*lump(3))

@@ -35,3 +35,14 @@ def test_further_points_go_where_their_neighbours_go(points):
     transport = Transport(flat, flat)
     np.testing.assert_array_equal(transport.images(flat, flat), transport.plan.argmax(axis=1))
     assert np.linalg.norm(dense[transport.images(dense, dense)] - dense, axis=1).mean() < 0.04
+
+
+def test_balanced_transport_has_both_marginals(points):
+    plan = Transport(points, points[:200], balance=1.0, iterations=500).plan
+    np.testing.assert_allclose(plan.sum(axis=1), 1, rtol=1e-4)
+    np.testing.assert_allclose(plan.sum(axis=0), 300 / 200, rtol=1e-2)
+
+
+def test_a_sharper_plan_is_closer_to_a_permutation(points):
+    largest = [Transport(points, points, sharpness=sharpness).plan.max(axis=1).mean() for sharpness in (0.1, 0.45, 2.0)]
+    assert largest[0] > largest[1] + 0.1 > largest[2] + 0.2

@@ -20,6 +20,11 @@ def test_points_of_a_square():
     assert found.nearest[2] == 0
 
 
+def test_a_short_text():
+    points = closest_points(SQUARE, HALVES, SQUARE, np.arange(4))
+    assert repr(points) == "SurfacePoints(4 points)"
+
+
 def test_points_on_the_surface_are_their_own():
     vertices, faces = lump(2)
     generator = np.random.default_rng(0)

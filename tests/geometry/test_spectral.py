@@ -23,3 +23,17 @@ def test_signature_does_not_change_with_scale_rotation_or_numbering():
     second = wave_kernel_signature(*eigenbasis(intrinsic_mesh(moved, moved_faces), 30))
     np.testing.assert_allclose(second[new], first, rtol=1e-5)
     assert np.ptp(first, axis=0).min() > 0.1 * first.mean()  # and it tells points apart
+
+
+def test_levels_are_means_over_eigenfunctions():
+    """Where all squared eigenfunctions are equal, so is every level: the weights of a level sum to 1."""
+    eigenvalues = np.arange(20.0)
+    found = wave_kernel_signature(eigenvalues, np.full((3, 20), 0.5), energies=7, spread=2.0, top=1.1)
+    np.testing.assert_allclose(found, np.full((3, 7), 0.25))
+
+
+def test_a_narrow_spread_selects_single_eigenfunctions():
+    """Levels are evenly spaced logarithms, from the first eigenvalue above zero to the largest where ``top`` is 1."""
+    eigenvalues, functions = np.array([0.0, 1, 2, 4, 8, 16]), np.array([[1.0, 2, 3, 4, 5, 6]])
+    found = wave_kernel_signature(eigenvalues, functions, energies=5, spread=0.01, top=1.0)
+    np.testing.assert_allclose(found, functions[:, 1:] ** 2)

@@ -53,5 +53,5 @@ def test_a_cube_cut_once_is_enough():
 
 @pytest.mark.parametrize("vertices", [np.zeros((49, 3)), np.linspace(0, 1, 49)[:, None] * [1, 2, 3]])
 def test_refuses_no_area(shapes, vertices):
-    with pytest.raises(MeshError, match=r"72 of 72 faces have no area|too few"):
+    with pytest.raises(MeshError, match="72 of 72 faces have no area"):
         require_matchable(repair(Mesh(vertices, shapes.disc()[1])))

@@ -1,5 +1,7 @@
 """Repair keeps what is good, says what it did, and counts it right."""
 
+from itertools import combinations
+
 import numpy as np
 import pytest
 import trimesh
@@ -9,7 +11,7 @@ from hypothesis import strategies as st
 from mobius_match.errors import TopologyError
 from mobius_match.mesh import Mesh, describe, repair, require_matchable
 from mobius_match.mesh import topology as tp
-from mobius_match.mesh.measure import areas
+from mobius_match.mesh.measure import areas, cross_products
 from mobius_match.mesh.slivers import is_flat
 
 
@@ -64,8 +66,8 @@ def test_an_open_surface_follows_its_majority(shapes):
     vertices, faces = shapes.disc()
     wrong = faces.copy()
     wrong[[3, 17, 40]] = wrong[[3, 17, 40], ::-1]
-    for given_faces, expected in ((wrong, faces), (wrong[:, ::-1], faces[:, ::-1])):
-        fixed = repair(Mesh(vertices, given_faces))
+    for damagedfaces, expected in ((wrong, faces), (wrong[:, ::-1], faces[:, ::-1])):
+        fixed = repair(Mesh(vertices, damagedfaces))
         assert rows(fixed.faces) == rows(expected)
         assert fixed.notes == ("3 faces reversed to agree with their neighbours.",)
 
@@ -214,11 +216,16 @@ def test_all_area_and_genus_survive_many_caps():
     edges = tp.edge_table(faces).edges
     picked = edges[rng.permutation(len(edges))[:25]]
     vertices[picked[:, 0]] = vertices[picked[:, 1]]
-    fixed = repair(Mesh(vertices, faces))
+    damaged = Mesh(vertices, faces)
+    fixed = repair(damaged)
     assert tp.genus(fixed.faces) == 0 and tp.components(fixed.faces)[0] == 1
     left = int(is_flat(fixed.vertices, fixed.faces).sum())
-    assert left == sum(int(n.split()[0]) for n in fixed.notes if "left: removing" in n)
     assert left == 0
+    assert not any("kept: removing them" in note for note in fixed.notes)
+    before, after = (
+        np.linalg.norm(cross_products(mesh.vertices, mesh.faces), axis=1).sum() for mesh in (damaged, fixed)
+    )
+    assert after == pytest.approx(before, rel=1e-12)
 
 
 @pytest.mark.parametrize("scale", [1e-150, 1e-20, 1.0, 1e20, 1e150])
@@ -258,4 +265,22 @@ def test_any_triangles_at_all(seed, m, n):
     assert not len(tp.nonmanifold_vertices(fixed.faces))
     _, turned, twisted = tp.sides(fixed.faces, tp.edge_table(fixed.faces))
     assert not (turned & ~twisted).any()
-    assert describe(mesh)["usable"] in (True, False)
+    info, edges = describe(mesh), {frozenset(pair) for face in fixed.faces.tolist() for pair in combinations(face, 2)}
+    assert info["euler_characteristic"] == len(fixed.vertices) - len(edges) + len(fixed.faces)
+    assert info["notes"] == list(fixed.notes)
+    # Only one sphere, with or without holes, of at least 12 vertices and 20 faces can be matched.
+    assert not info["usable"] or (len(fixed.vertices) >= 12 and len(fixed.faces) >= 20 and info["genus"] == 0)
+    assert info["usable"] == (info["reason"] is None)
+
+
+@pytest.mark.parametrize("name", ["sphere", "disc", "cylinder", "holed_sphere", "torus", "moebius", "bowtie", "book"])
+def test_usable_is_what_is_accepted(shapes, name):
+    mesh = Mesh(*getattr(shapes, name)())
+    info, accepted = describe(mesh), name in ("sphere", "disc", "cylinder", "holed_sphere")
+    assert info["usable"] == accepted
+    if accepted:
+        require_matchable(repair(mesh))
+    else:
+        with pytest.raises(TopologyError) as caught:
+            require_matchable(repair(mesh))
+        assert info["reason"] == str(caught.value)

@@ -100,8 +100,8 @@ def proxy_points(areas: np.ndarray, count: int, samples: np.ndarray) -> np.ndarr
     others = np.setdiff1d(np.arange(len(areas)), samples)
     wanted = max(count - len(samples), 0)
     if len(others) > wanted:
-        match_probabilities = areas[others] / areas[others].sum()
-        others = np.random.default_rng(0).choice(others, wanted, replace=False, p=match_probabilities)
+        shares = areas[others] / areas[others].sum()
+        others = np.random.default_rng(0).choice(others, wanted, replace=False, p=shares)
     return np.sort(np.concatenate([samples, others])).astype(np.int64)
 
 
