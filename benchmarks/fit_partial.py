@@ -99,16 +99,16 @@ def main() -> None:
     parser.add_argument("--cuts", type=int, default=24, help="fresh cuts of each seed (default: 24)")
     parser.add_argument("--seeds", type=int, nargs="+", default=[1, 3], help="of the cuts (default: 1 3)")
     options = parser.parse_args()
-    parameters = PartialParameters()
+    parameters, floor = PartialParameters(), RegistrationParameters().confidence.floor
     found, right, missing = collect(options.data, options.seeds, options.cuts, parameters)
-    columns = np.stack([np.log(values + parameters.floor) for values in found.values()] + [np.ones(len(right))], axis=1)
+    columns = np.stack([np.log(values + floor) for values in found.values()] + [np.ones(len(right))], axis=1)
     fitted = logistic_regression(columns, right, 1.0 + MISSING * (missing & ~right))
     fitted[-1] -= np.log(REPORTED / (1 - REPORTED))
     print(f"\n{len(right)} matches, {right.mean():.1%} right, {missing.sum()} on missing parts")
     for name, value in zip(NAMES, fitted.tolist(), strict=True):
         print(f"{name}: {value:.2f} (now {getattr(parameters, name)})")
     for what, chance in (
-        ("now", probability(found, parameters)),
+        ("now", probability(found, parameters, floor)),
         ("fitted", 1 / (1 + np.exp(-columns @ fitted))),
     ):
         some = chance >= 0.5

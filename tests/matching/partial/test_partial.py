@@ -212,7 +212,7 @@ def test_probability_falls_with_each_error(kind):
     good = {"distances": 0.01, "residual": 0.005, "boundary": 0.3, "stretch": 0.03, "cost": 0.7}
     found = {name: np.full(60, value) for name, value in good.items()}
     found[kind] = good[kind] * np.geomspace(1, 1e4, 60)
-    values = probability(found, PARAMETERS)
+    values = probability(found, PARAMETERS, 0.01)
     assert values[0] > 0.9
     assert (np.diff(values) < 0).all()
     assert values[-1] < 0.5
