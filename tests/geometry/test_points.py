@@ -22,7 +22,7 @@ def test_points_of_a_square():
 
 def test_a_short_text():
     points = closest_points(SQUARE, HALVES, SQUARE, np.arange(4))
-    assert repr(points) == "SurfacePoints(4 points)"
+    assert repr(points) == "<SurfacePoints: faces (4,), corners (4, 3), barycentric (4, 3)>"
 
 
 def test_points_on_the_surface_are_their_own():

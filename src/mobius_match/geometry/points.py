@@ -13,7 +13,7 @@ MAX_VISITED = 200
 """Number of vertices that a search for the closest point visits at most."""
 
 FLAT = 1e-14
-"""Squared sine of the angle below which a triangle is taken for a line."""
+"""Squared sine of the angle below which a triangle is treated as a line: round-off of float64."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,7 +42,7 @@ class SurfacePoints:
 
     @property
     def nearest(self) -> np.ndarray:
-        """The corner that weighs most, (q,) int64."""
+        """The corner with the largest weight, (q,) int64."""
         return self.corners[np.arange(len(self.corners)), self.barycentric.argmax(axis=1)]
 
     def values(self, at_vertices: np.ndarray) -> np.ndarray:
@@ -84,20 +84,20 @@ class SurfacePoints:
 
 
 def points_at(faces: np.ndarray, vertices: np.ndarray) -> SurfacePoints:
-    """Vertices (q,) of a mesh with faces (m, 3), in each of which one is, as points."""
+    """Vertices (q,) of a mesh with faces (m, 3) as points; each must be a corner of a face."""
     corner = np.zeros(faces.max() + 1, np.int64)
     corner[faces.ravel()[::-1]] = np.arange(faces.size)[::-1]
-    found, place = np.divmod(corner[vertices], 3)
-    return SurfacePoints(found, faces[found], np.eye(3)[place])
+    face, place = np.divmod(corner[vertices], 3)
+    return SurfacePoints(face, faces[face], np.eye(3)[place])
 
 
 def closest_points(
     positions: np.ndarray, faces: np.ndarray, queries: np.ndarray, vertices: np.ndarray
 ) -> SurfacePoints:
-    """The points of a surface closest to others in space, looked for from given vertices on.
+    """The closest points of a surface to points in space, by a search over the surface from given vertices.
 
-    The search begins on the faces around the vertex and moves on over the surface as long as that comes closer. So it
-    never jumps to another sheet of the surface that happens to be near.
+    The search begins on the faces around the vertex and moves on to neighbouring faces as long as they are closer. So
+    it never jumps to another sheet of the surface that is near in space.
 
     Parameters
     ----------
@@ -106,13 +106,13 @@ def closest_points(
     queries
         (q, 3) points in space.
     vertices
-        (q,) for each of them a vertex, on whose faces the search begins.
+        (q,) the vertex at which each search begins.
     """
     order = np.argsort(faces.ravel(), kind="stable").astype(np.int32) // 3
     start = np.concatenate([[0], np.cumsum(np.bincount(faces.ravel(), minlength=len(positions)))])
-    found, weights = np.empty(len(queries), np.int64), np.empty((len(queries), 3))
-    _descend(positions, faces, start, order, np.asarray(queries, np.float64), vertices, found, weights)
-    return SurfacePoints(found, faces[found], weights)
+    nearest, weights = np.empty(len(queries), np.int64), np.empty((len(queries), 3))
+    _descend(positions, faces, start, order, np.asarray(queries, np.float64), vertices, nearest, weights)
+    return SurfacePoints(nearest, faces[nearest], weights)
 
 
 @jit
@@ -123,40 +123,40 @@ def _descend(
     around: np.ndarray,
     queries: np.ndarray,
     seeds: np.ndarray,
-    found: np.ndarray,
+    result: np.ndarray,
     weights: np.ndarray,
 ) -> None:
     """Write the face and the weights of the closest point for each query."""
-    trial, seen = np.empty(3), np.empty(MAX_VISITED, np.int64)
+    trial, visited = np.empty(3), np.empty(MAX_VISITED, np.int64)
     for i in range(len(queries)):
-        vertex, n_seen, nearest = seeds[i], 0, np.inf
-        found[i] = around[start[vertex]]
-        while n_seen < MAX_VISITED:
-            seen[n_seen] = vertex
-            n_seen += 1
+        vertex, n_visited, nearest = seeds[i], 0, np.inf
+        result[i] = around[start[vertex]]
+        while n_visited < MAX_VISITED:
+            visited[n_visited] = vertex
+            n_visited += 1
             for place in range(start[vertex], start[vertex + 1]):
                 face = around[place]
-                apart = _closest_on_triangle(queries[i], positions, faces[face], trial)
-                if apart < nearest:
-                    nearest = apart
-                    found[i] = face
+                distance = _closest_on_triangle(queries[i], positions, faces[face], trial)
+                if distance < nearest:
+                    nearest = distance
+                    result[i] = face
                     weights[i] = trial
-            # On to the corner of the best face next to the point, of those whose faces have not been seen.
+            # Next is the corner of the best face with the largest weight whose faces have not been visited.
             best = -1
             for k in range(3):
                 fresh = weights[i, k] > 0.0
-                for j in range(n_seen):
-                    fresh = fresh and seen[j] != faces[found[i], k]
+                for j in range(n_visited):
+                    fresh = fresh and visited[j] != faces[result[i], k]
                 if fresh and (best < 0 or weights[i, k] > weights[i, best]):
                     best = k
             if best < 0:
                 break
-            vertex = faces[found[i], best]
+            vertex = faces[result[i], best]
 
 
 @jit
 def _closest_on_triangle(query: np.ndarray, positions: np.ndarray, face: np.ndarray, weights: np.ndarray) -> float:
-    """Write the barycentric coordinates of the point closest to the query; its squared distance."""
+    """Write the barycentric coordinates of the closest point to the query; return its squared distance."""
     one_one = one_two = two_two = one_to = two_to = 0.0
     for axis in range(3):
         origin = positions[face[0], axis]
@@ -166,12 +166,12 @@ def _closest_on_triangle(query: np.ndarray, positions: np.ndarray, face: np.ndar
         two_two += two * two
         one_to += one * to
         two_to += two * to
-    whole = one_one * two_two - one_two * one_two
-    v, w = (one_to * two_two - two_to * one_two) / whole, (two_to * one_one - one_to * one_two) / whole
-    if v >= 0.0 and w >= 0.0 and v + w <= 1.0 and whole > FLAT * one_one * two_two:
+    determinant = one_one * two_two - one_two * one_two
+    v, w = (one_to * two_two - two_to * one_two) / determinant, (two_to * one_one - one_to * one_two) / determinant
+    if v >= 0.0 and w >= 0.0 and v + w <= 1.0 and determinant > FLAT * one_one * two_two:
         weights[0], weights[1], weights[2] = max(1.0 - v - w, 0.0), v, w
         return _squared(query, positions, face, weights)
-    # Not above the triangle, or it is none: the closest point of one of the edges.
+    # Beside the triangle, or the triangle has no area: the closest point on its edges.
     nearest, first, step = np.inf, 0, 0.0
     for k in range(3):
         along, length = 0.0, 0.0
@@ -181,9 +181,9 @@ def _closest_on_triangle(query: np.ndarray, positions: np.ndarray, face: np.ndar
             length += edge * edge
         part = min(max(along / length, 0.0), 1.0) if length > 0.0 else 0.0
         weights[k], weights[(k + 1) % 3], weights[(k + 2) % 3] = 1.0 - part, part, 0.0
-        apart = _squared(query, positions, face, weights)
-        if apart < nearest:
-            nearest, first, step = apart, k, part
+        distance = _squared(query, positions, face, weights)
+        if distance < nearest:
+            nearest, first, step = distance, k, part
     weights[first], weights[(first + 1) % 3], weights[(first + 2) % 3] = 1.0 - step, step, 0.0
     return nearest
 
@@ -192,8 +192,8 @@ def _closest_on_triangle(query: np.ndarray, positions: np.ndarray, face: np.ndar
 def _squared(query: np.ndarray, positions: np.ndarray, face: np.ndarray, weights: np.ndarray) -> float:
     total = 0.0
     for axis in range(3):
-        apart = -query[axis]
+        difference = -query[axis]
         for k in range(3):
-            apart += weights[k] * positions[face[k], axis]
-        total += apart * apart
+            difference += weights[k] * positions[face[k], axis]
+        total += difference * difference
     return total
