@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import partial
@@ -12,6 +11,7 @@ from threadpoolctl import threadpool_limits
 
 from .._core.display import one_line
 from .._core.threads import Progress, map_threads
+from .._core.timing import Stopwatch
 from .._core.versions import software
 from ..alignments.alignment import Alignment
 from ..alignments.candidates import alignments_with_landmarks
@@ -97,7 +97,7 @@ def match(
     chosen = make_settings(preset, **settings)
     if landmarks is not None and chosen.proposal != "guided":
         raise SettingsError("`landmarks` need guided proposals, and `proposal` is 'uniform'; leave one of the two out")
-    clock = _Clock()
+    clock = Stopwatch()
     first, second = _prepared((source, target), chosen, settings, preset, cache, progress, parameters, clock)
     chosen, target_preparation, of_preparation = settings_used(chosen, first.settings, second.settings)
     constraints, of_landmarks = None, list[str]()
@@ -129,7 +129,7 @@ def match(
             "votes": outcome.votes.n_triplets,
             **given,
         },
-        timings=clock.total(),
+        timings=clock.with_total(),
         software=dict(software()),
         diagnostics={
             "source closure": first.closure,
@@ -162,7 +162,7 @@ def _prepared(
     cache: bool,
     progress: Progress | None,
     parameters: Parameters,
-    clock: _Clock,
+    clock: Stopwatch,
 ) -> tuple[Surface, Surface]:
     """Sections 4 and 5: both surfaces. Both meshes are read and checked before the work on either begins."""
     preparation, jobs = settings.preparation(), settings.jobs
@@ -296,25 +296,3 @@ def _alternatives(
             )
             for one in outcome.alignments[1:]
         )
-
-
-class _Clock:
-    """Seconds that stages took, by name."""
-
-    def __init__(self) -> None:
-        self._start = self._last = time.perf_counter()
-        self._laps: dict[str, float] = {}
-
-    def lap(self, stage: str) -> None:
-        """The stage that ends now, since the last one ended."""
-        now = time.perf_counter()
-        self._laps[stage] = now - self._last
-        self._last = now
-
-    def add(self, timings: Mapping[str, float]) -> None:
-        """Parts of the stage that is running."""
-        self._laps |= timings
-
-    def total(self) -> dict[str, float]:
-        """All stages, and the total."""
-        return {**self._laps, "total": time.perf_counter() - self._start}

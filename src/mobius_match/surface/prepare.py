@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import time
 from dataclasses import asdict
 from typing import Any, Unpack
 
@@ -11,6 +10,7 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from .._core.threads import Progress
+from .._core.timing import Stopwatch
 from ..errors import MeshError
 from ..geometry.curvature import gauss_curvature, mean_curvature
 from ..geometry.geodesics import geodesic_solver, heat_solver, nearest_centres
@@ -148,7 +148,7 @@ def prepare_mesh(
 
 def _prepare(mesh: Mesh, settings: PrepareSettings, progress: Progress, parameters: SurfaceParameters) -> Surface:
     warnings = []
-    clock = _Clock()
+    clock = Stopwatch()
     mesh, detail = (
         simplified(mesh, settings.resolution, parameters.simplification_ratio) if settings.resolution else (mesh, None)
     )
@@ -230,16 +230,3 @@ def _prepare(mesh: Mesh, settings: PrepareSettings, progress: Progress, paramete
         timings=clock.laps,
         warnings=tuple(warnings),
     )
-
-
-class _Clock:
-    """Seconds between one call of :meth:`lap` and the next."""
-
-    def __init__(self) -> None:
-        self.laps: dict[str, float] = {}
-        self._last = time.perf_counter()
-
-    def lap(self, name: str) -> None:
-        now = time.perf_counter()
-        self.laps[name] = now - self._last
-        self._last = now
