@@ -115,7 +115,7 @@ def register_iteratively(
 ) -> Registration:
     """The source registered along an alignment iteratively, each time from the result of the last.
 
-    A map that began badly improves, and averaging their positions evens out errors along limbs. The first
+    A map that began badly improves, and the median of their positions evens out errors along limbs. The first
     registration may be given.
     """
     if alignment.shapes_differ and alignment.registration is not None:
@@ -130,4 +130,4 @@ def register_iteratively(
     # Where shapes differ, the registration of least strain is not the right one.
     best = registrations[-1] if alignment.shapes_differ else cheapest(source, target, registrations, parameters)
     positions = [best.positions, *(one.positions for one in registrations[1:] or registrations)]
-    return replace(best, positions=np.mean(positions, axis=0))
+    return replace(best, positions=np.median(positions, axis=0))

@@ -108,7 +108,7 @@ class SelectionParameters:
     """What is done, and how much of it, until an alignment is chosen; costs have no unit."""
 
     different_above: float = parameter(
-        2.0,
+        1.5,
         "cost of the best candidate above which the two shapes differ in more than their pose: extremities are matched "
         "as well, maps are begun in other ways, and registration is repeated",
         origin=HAND,

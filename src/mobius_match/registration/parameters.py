@@ -98,7 +98,7 @@ class RegistrationParameters:
     """Non-rigid registration, of the proxy (sparse) and of all vertices (dense)."""
 
     first_weight: float = parameter(0.1, "first data weight against rigidity", origin=HAND)
-    weight_ratio: float = parameter(3.0, "ratio of a data weight to the one before", origin=HAND)
+    weight_ratio: float = parameter(10**0.5, "ratio of a data weight to the one before", origin=HAND)
     n_weights: int = parameter(3, "data weights of a full registration", origin=HAND)
     rounds: int = parameter(3, "searches for closest points at each weight", origin=HAND)
     steps: int = parameter(2, "alternations of the local and the global step after each search", origin=HAND)
@@ -156,8 +156,8 @@ class RegistrationParameters:
 
     @property
     def initial_steps(self) -> int:
-        """Steps for that: as many as at each other weight."""
-        return self.rounds * self.steps
+        """Steps for that: twice as many as at each other weight, since the way is longer."""
+        return 2 * self.rounds * self.steps
 
     def features(self, shapes_differ: bool) -> FeatureWeights:
         """Weights of features where the shapes are similar, or where they differ and descriptors tell less."""
