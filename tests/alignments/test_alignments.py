@@ -149,7 +149,7 @@ def test_extremities_give_the_right_alignment_where_all_drawn_triplets_are_wrong
     right = candidate_alignments(source, target, votes, PARAMETERS)[0]
     generator = np.random.default_rng(0)
     wrong = np.array([generator.permutation(len(target.samples))[:3] for _ in votes.triplet_weights])
-    always = replace(PARAMETERS, selection=replace(SELECTION, extremities_above=0.0))  # as where shapes differ
+    always = replace(PARAMETERS, selection=replace(SELECTION, different_above=0.0))  # as where shapes differ
     found = candidate_alignments(source, target, replace(votes, best_target=wrong), always)
     places = target.mesh.vertices / np.ptp(target.mesh.vertices, axis=0).max()
     apart = [np.linalg.norm(places[one.image] - places[right.image], axis=1).mean() for one in found]
@@ -218,7 +218,7 @@ def test_contenders_are_ranked_again_by_their_strain(surface):
     mixed = surface.proxy[near[np.arange(len(near)), generator.integers(60, size=len(near))]]
     turned = surface.proxy[np.linalg.norm(vertices[:, None] + vertices, axis=2).argmin(axis=1)]
     right = Alignment(surface.proxy, {}, 1.1, 0.4)
-    rivals = [Alignment(turned, {}, 1.0, 0.5), right, Alignment(mixed, {}, 3.0, 0.1)]
+    rivals = [Alignment(turned, {}, 1.0, 0.5), right, Alignment(mixed, {}, 3.5, 0.1)]
     ranked = rerank_by_registration(surface, surface, rivals, PARAMETERS)
     assert ranked[0].image is right.image
     assert ranked[0].cost_terms["strain"] < ranked[1].cost_terms["strain"]
@@ -233,7 +233,7 @@ def test_contenders_are_registered_coarsely_and_fully(surface, monkeypatch):
     """Both strains weigh half. What is hopeless after the coarse one gets no full one; the winner keeps its own."""
     right = Alignment(surface.proxy, {}, 0.0, 1.0)
     rivals = [right, *(replace(right, image=np.roll(surface.proxy, i), cost=0.1) for i in (5, 9))]
-    strains = iter([2.0, 4.0, 6.0, 20.0, 30.0])
+    strains = iter([2.0, 3.5, 6.0, 20.0, 30.0])
     monkeypatch.setattr("mobius_match.alignments.selection.register_coarsely", lambda *_: "coarse")
     monkeypatch.setattr(
         "mobius_match.alignments.selection.strain", lambda *given: calls.append(given[2]) or next(strains)
@@ -241,7 +241,7 @@ def test_contenders_are_registered_coarsely_and_fully(surface, monkeypatch):
     calls = []
     ranked = rerank_by_registration(surface, surface, rivals, PARAMETERS)
     assert [one == "coarse" for one in calls] == [True, True, True, False, False]
-    assert [one.cost_terms["strain"] for one in ranked] == [0, 6 - 2, (4 - 2 + 30 - 20) / 2]
+    assert [one.cost_terms["strain"] for one in ranked] == [0, 6 - 2, (3.5 - 2 + 30 - 20) / 2]
     assert ranked[0].image is right.image
     assert ranked[0].registration is calls[3]
 

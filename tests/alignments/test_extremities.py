@@ -5,6 +5,7 @@ import numpy as np
 import mobius_match as mm
 from mobius_match.alignments.extremities import extremities, extremity_matchings, extremity_triplets
 from mobius_match.alignments.parameters import ExtremityParameters
+from mobius_match.voting.parameters import VotingParameters
 from tests.shapes import ellipsoid, renumbered, true_places
 
 PARAMETERS = ExtremityParameters()
@@ -29,7 +30,7 @@ def test_a_person_has_a_head_two_hands_and_two_feet(person):
 def test_the_right_matching_of_extremities_is_among_the_likeliest(person):
     source, target = person
     truth, height = places_of_samples(source), np.ptp(target.mesh.vertices, axis=0).max()
-    ways = extremity_matchings(source, target, PARAMETERS)
+    ways = extremity_matchings(source, target, PARAMETERS, 0.1)
     assert 0 < len(ways) <= PARAMETERS.likely
     apart = [
         np.linalg.norm(target.mesh.vertices[target.samples[way[:, 1]]] - truth[way[:, 0]], axis=1).max() / height
@@ -46,7 +47,7 @@ def test_three_matched_extremities_place_all_samples(person):
     source, target = person
     truth, height = places_of_samples(source), np.ptp(target.mesh.vertices, axis=0).max()
     errors = []
-    for pairs, triplet_weights in extremity_triplets(source, target, PARAMETERS):
+    for pairs, triplet_weights in extremity_triplets(source, target, PARAMETERS, 0.1, VotingParameters()):
         assert len(pairs) == len(triplet_weights)
         best = pairs[triplet_weights.argmax()]
         paired = np.flatnonzero(best >= 0)
@@ -66,4 +67,4 @@ def test_the_numbering_of_the_vertices_does_not_matter(person):
 def test_fewer_than_three_extremities_give_no_triplets():
     cigar = mm.prepare(ellipsoid((1.0, 1.0, 4.0)))
     assert len(extremities(cigar, PARAMETERS)) == 2
-    assert extremity_triplets(cigar, cigar, PARAMETERS) == []
+    assert extremity_triplets(cigar, cigar, PARAMETERS, 0.1, VotingParameters()) == []

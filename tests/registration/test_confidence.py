@@ -55,7 +55,7 @@ def test_a_wrong_match_and_its_neighbours_are_the_least_probable(copy):
 
 def test_stability_is_zero_where_a_copy_can_slide_and_grows_with_the_cap_of_a_sphere():
     """A plane and a tube slide along themselves. On a cap of a sphere, from height h to 1, E[x^2] = E[1 - z^2] / 2."""
-    radius = PARAMETERS.stability_radius
+    radius = PARAMETERS.radius
     for shape in (grid(20, 16), tube(40, 60, length=12.0)):
         surface = mm.prepare(shape)
         middle = np.linalg.norm(surface.mesh.vertices - surface.mesh.vertices.mean(axis=0), axis=1)

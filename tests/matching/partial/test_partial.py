@@ -199,7 +199,7 @@ def test_no_match_is_likely_next_to_the_cut(monkeypatch):
     found = {kind: np.full(2, value) for kind, value in good.items()}
     found["boundary"][1] = 0.9 * PARAMETERS.boundary_margin
     monkeypatch.setattr("mobius_match.matching.partial.matches.features", lambda *_: found)
-    closed = SimpleNamespace(whole=mm.prepare(icosphere(2)), parameters=PARAMETERS)
+    closed = SimpleNamespace(whole=mm.prepare(icosphere(2)), parameters=PARAMETERS, registration=REGISTRATION)
     placement = Placement(SimpleNamespace(image=np.arange(2)), 1.0, [])
     first, second = match_probabilities(closed, placement)
     assert first > 0.5

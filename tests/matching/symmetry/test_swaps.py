@@ -77,4 +77,4 @@ def test_an_error_in_progress_ends_the_voting():
         raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        cast_swap_votes(mm.prepare(lump(2), samples=20), MatchSettings(votes=1000), PARAMETERS, interrupt)
+        cast_swap_votes(mm.prepare(lump(2), samples=20), MatchSettings(votes=1000), PARAMETERS, VOTING, interrupt)

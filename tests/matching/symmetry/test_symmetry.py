@@ -110,7 +110,7 @@ def test_numbers_are_the_users_own():
     padded = mm.symmetry((np.concatenate([np.full((5, 3), 9.0), vertices]), faces + 5))
     np.testing.assert_array_equal(padded.pairs, plain.pairs + 5)
     np.testing.assert_array_equal(padded.stationary, plain.stationary + 5)
-    assert any("5 vertices" in line for line in padded.warnings)
+    assert any("5 unused vertices" in line for line in padded.warnings)
 
 
 def test_the_nearest_involution_is_taken():
