@@ -22,6 +22,7 @@ from mobius_match.matching.partial.parameters import PartialParameters
 from mobius_match.matching.partial.part import coverage_of_pair, is_part, match_part
 from mobius_match.mesh.topology import components
 from mobius_match.registration.parameters import RegistrationParameters
+from mobius_match.registration.sparse import register
 from tests.shapes import bent, grid, icosphere, lump, rotation
 
 PARAMETERS, REGISTRATION = PartialParameters(), RegistrationParameters()
@@ -137,6 +138,35 @@ def test_turns_of_maps(wholes):
         np.random.default_rng(0).permutation(same)
     ):
         assert at_random.mean() < 0.6
+
+
+def test_a_part_keeps_its_area_and_is_measured_in_units_of_the_whole(wholes):
+    """Half the size in the file and size 2 give what the file of the right size does."""
+    whole, other = wholes["quadruped"]
+    vertices, faces, _ = cut(whole.mesh.vertices, whole.mesh.faces, None, -1.0)
+    part = mm.prepare((vertices, faces))
+    mesh = replace(part.mesh, vertices=part.mesh.vertices / 2)
+    smaller = replace(
+        part,
+        mesh=mesh,
+        area=part.area / 4,
+        distances=part.distances / 2,
+        proxy_distances=part.proxy_distances / 2,
+    )
+    right = PartPair(part, other, PARAMETERS, REGISTRATION)
+    pair = PartPair(smaller, other, PARAMETERS, REGISTRATION).scaled(2.0)
+    assert (pair.part.area, pair.part.scale) == (smaller.area, np.sqrt(other.area) / 2)
+    np.testing.assert_allclose(pair.part.normalized_distances, right.part.normalized_distances, rtol=1e-12)
+    np.testing.assert_allclose(right.part.normalized_distances, part.distances / other.scale, rtol=1e-12)
+    np.testing.assert_allclose(pair.paths1.lengths, right.paths1.lengths, rtol=1e-6)
+    np.testing.assert_allclose(pair.curvatures1, right.curvatures1, rtol=1e-6, atol=1e-6)
+    image = np.random.default_rng(0).integers(0, len(other.proxy), len(part.proxy))
+    first, second = (
+        register(one.part, other, other.proxy[image], REGISTRATION, schedule=REGISTRATION.coarse, whole=False)
+        for one in (pair, right)
+    )
+    np.testing.assert_allclose(first.residual, second.residual, atol=1e-9)
+    assert pair.cost(first) == pytest.approx(right.cost(second), rel=1e-6)
 
 
 def proxy_directions(vertices, faces, distances):

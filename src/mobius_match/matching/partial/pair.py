@@ -143,11 +143,11 @@ class PartPair:
         """What the cost of a registration is the sum of; 0 is perfect in each term."""
         image, constants = self.whole.nearest_proxy[registration.image], self.parameters
         angles = float(1 - self.angle_agreement(image)[0].mean()) + float(registration.normal_deviation.mean())
-        # Gauss curvature is no such term: a cut changes it farther away than mean curvature.
-        mean_curvatures = zip(self.curvatures1.T[1::2], self.curvatures2[registration.image].T[1::2], strict=True)
+        # A cut changes the curvatures that are smoothed more widely far into the part.
+        gauss_and_mean = zip(self.curvatures1.T[:2], self.curvatures2[registration.image].T[:2], strict=True)
         return {
             "distances": float(self.compared(image)[1].mean()),
-            "curvature": sum(1 - rank_correlation(*both) for both in mean_curvatures),
+            "curvature": sum(1 - rank_correlation(*both) for both in gauss_and_mean),
             "angles": constants.angle_cost * angles,
             "stretch": constants.stretch_cost * mean_stretch(self.part, self.whole, registration),
             "residual": constants.residual_cost * float(registration.residual.mean()),

@@ -38,7 +38,7 @@ class PartialParameters:
     triplets: int = parameter(20_000, "triplets that are evaluated at the final size", origin=HAND)
     sizing_triplets: int = parameter(2_000, "triplets that are evaluated at each size that is tried", origin=HAND)
     best_share: float = parameter(
-        0.02, "share of the triplets, the best ones, that alignments and the fit at a size come from", origin=HAND
+        0.03, "share of the triplets, the best ones, that alignments and the fit at a size come from", origin=HAND
     )
     points: tuple[int, int] = parameter(
         (50, 250), "points of the part and of the whole that a triplet is evaluated at", origin=HAND
@@ -64,7 +64,7 @@ class PartialParameters:
 
     # Alignments of the part with the whole, and their cost.
     distinct: float = parameter(
-        0.1, "distance between two images of a point from which they are different ones", unit=AREA, origin=HAND
+        0.05, "distance between two images of a point from which they are different ones", unit=AREA, origin=HAND
     )
     registered_coarsely: int = parameter(12, "groups of triplets along which the part is registered", origin=HAND)
     registered: int = parameter(4, "of these, how many are registered once more from their best landmarks", origin=HAND)
