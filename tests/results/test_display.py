@@ -23,8 +23,8 @@ LONGEST = 300
 LARGE = re.compile(r"(tuple\[)?(np\.ndarray|Surface|Mesh|Correspondence|Registration|Landmarks|Truth|dict|list)")
 """Types of fields that are not printed in full."""
 
-OTHER_ROOMS = ("mobius_match.mesh", "mobius_match.geometry")
-"""Rooms that test their own records."""
+OTHER_ROOMS = ("mobius_match.mesh", "mobius_match.geometry", "mobius_match.cli")
+"""Rooms that test their own records, and the commands, whose records no user sees."""
 
 
 @pytest.fixture(scope="module")

@@ -52,9 +52,9 @@ def symmetry(
         samples=samples, votes=votes, geodesics=geodesics, triangulation=triangulation, seed=seed, jobs=jobs
     )
     make_settings(**settings)  # checked before the mesh is read
+    check_outputs({"--output": output, "--picture": picture}, [mesh], {"--picture": ".png"})
     if output is not None and output != STDOUT:
         check_json(output)
-    check_outputs({"--output": output, "--picture": picture}, [mesh], {"--picture": ".png"})
 
     from ..matching.symmetry.symmetry import symmetry as find_symmetry
 
