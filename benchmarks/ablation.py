@@ -60,7 +60,7 @@ showed no difference between several constants and one:
   and extremities were matched above another cost than the one above which shapes differ. There is one margin and one
   threshold.
 - **Repeated registrations.** The positions of the last ones were averaged, except those farther than a radius from the
-  best. All are averaged now.
+  best. The median of all is used now, which needs neither a number nor a radius.
 - **Floors before logarithms and divisions.** Stretch and normal deviation had floors of their own in the strain; they
   share one, far below what good matches have. The least standard deviation of curvatures is 1 and no parameter.
 
