@@ -28,7 +28,7 @@ NEAR = 0.05
 """Per diameter of the whole shape: a match is right, or a place still belongs to the part."""
 
 CLOSE = 0.01
-"""Per diameter of the other shape: known points that cannot be told apart."""
+"""Per diameter of the other shape: known points that cannot be distinguished."""
 
 FRONT, HIND, UP, DOWN = (0, -1, 0), (0, 1, 0), (0, 0, 1), (0, 0, -1)
 """In the set tosca; the people of faust stand along the second axis."""

@@ -9,6 +9,7 @@ import argparse
 import importlib
 import inspect
 import pkgutil
+import re
 from collections.abc import Iterator
 from dataclasses import fields, is_dataclass
 from pathlib import Path
@@ -64,6 +65,7 @@ def page() -> str:
             continue
         count += sum(len(one.value) if isinstance(one.value, tuple) else 1 for one in rows)
         about = " ".join((inspect.getdoc(record) or "").split("\n\n")[0].split())
+        about = re.sub(r":\w+:(`[^`]+`)", r"\1", about)
         text += f"## {type(record).__name__}\n\n{about} In `{room}/parameters.py`.\n\n"
         text += "| parameter | value | unit | meaning | origin |\n|---|---|---|---|---|\n"
         for one in rows:

@@ -49,5 +49,5 @@ plt.imsave(
 # Known pairs guide a match: they decide which alignment is right, and are part of the result.
 
 head = int(height.argmax())
-hinted = mm.match(*mm.examples.paths("person"), seed=0, landmarks=[(head, int(vertices[0]))])
-print(f"{len(hinted)} matches, {hinted.given.sum()} of them given: {hinted.pairs[0]}")
+guided = mm.match(*mm.examples.paths("person"), seed=0, landmarks=[(head, int(vertices[0]))])
+print(f"{len(guided)} matches, {guided.given.sum()} of them given: {guided.pairs[0]}")

@@ -95,7 +95,7 @@ class Dataset:
 
 
 def find_dataset(folder: str | os.PathLike[str], pairs: str | os.PathLike[str] | None = None) -> Dataset:
-    """The pairs of a folder. Its layout is detected; see :mod:`mobius_match.evaluation.datasets`.
+    """The pairs of a folder. Its layout is detected; see the module ``mobius_match.evaluation.datasets``.
 
     Parameters
     ----------

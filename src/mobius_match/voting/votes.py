@@ -74,7 +74,20 @@ class Votes:
         return one_line(self)
 
     def plus(self, other: Votes, kept: int) -> Votes:
-        """The sum of both, with so many of the best triplets; of equal ones those of the first come first."""
+        """The sum of both, with the best triplets of both.
+
+        Parameters
+        ----------
+        other
+            Votes between the same samples.
+        kept
+            Number of triplets that are kept at most; of equal ones those of the first come first.
+
+        Returns
+        -------
+        Votes
+            The sum of the matrices and numbers, and the warnings of both.
+        """
         best_source, best_target, triplet_weights = (
             np.concatenate([getattr(self, name), getattr(other, name)])
             for name in ("best_source", "best_target", "triplet_weights")
