@@ -89,8 +89,8 @@ class ConfidenceParameters:
         ConfidenceTerms(-0.60, -2.54, -1.19, 1.14),
         "slope of the logarithm of each feature",
         origin="chosen for the ranking of the first matches, from a plateau over 170 matches of TOSCA, FAUST and "
-        "gorillas with people; benchmarks/fit_confidence.py prints -0.74, -1.73, -1.43, 0.08 and the offset -8.67, whose "
-        "probabilities are better (log loss 0.196 instead of 0.214) and whose first 45 matches are worse",
+        "gorillas with people; benchmarks/fit_confidence.py prints -0.74, -1.73, -1.43, 0.08 and the offset -8.67: "
+        "better probabilities (log loss 0.196 instead of 0.214), and worse first 45 matches",
     )
     offset: float = parameter(-8.5, "intercept of the logistic model", origin="as the slopes")
 
