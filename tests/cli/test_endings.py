@@ -147,6 +147,7 @@ def test_every_error_of_the_package_has_its_code():
         "TopologyError": 3,
         "SettingsError": 2,
         "NothingFoundError": 4,
+        "MissingPackageError": 1,
     }
 
 
