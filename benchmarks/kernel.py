@@ -13,14 +13,14 @@ import sys
 import time
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
+from unittest.mock import patch
 
-import numba
 import numpy as np
 import plain_kernel
 
 import mobius_match as mm
 from mobius_match.evaluation import examples
-from mobius_match.voting import kernel, nearest, sweep
+from mobius_match.voting import kernel, pairing, sweep
 from mobius_match.voting.mobius import homogeneous
 from mobius_match.voting.parameters import VotingParameters
 from mobius_match.voting.proposals import uniform_triplets
@@ -100,39 +100,23 @@ def measure(batches: dict[str, Batch], most: int) -> dict[tuple[str, int], float
     return times
 
 
-@numba.njit(error_model="numpy")
-def search(
-    samples1: np.ndarray, samples2: np.ndarray, n: int, triplets: tuple, space: kernel.Workspace, all_of_them: bool
-):
-    """Map the points of each triplet and find the mutually nearest, by comparing all or by a sweep."""
-    image1, image2, least, pairs = space
-    n_pairs = 0
-    for i in range(len(triplets[0])):
-        kernel.to_canonical(samples1, triplets[0], i, image1)
-        kernel.to_canonical(samples2, triplets[1], i, image2)
-        if all_of_them:
-            n_pairs += nearest.mutually_nearest(image1, n, image2, n, False, 0, least, pairs)
-        else:
-            n_pairs += sweep.sweep(image1, n, image2, n, False, least, pairs)
-    return n_pairs
-
-
 def crossover(surfaces: list[mm.Surface]) -> None:
-    """Print what comparing all points and sweeping cost, where one takes over from the other."""
-    print(f"\nmicroseconds of one search for nearest neighbours (the kernel sweeps from {sweep.SWEEP_FROM})")
-    print("   N  all with all     sweep")
+    """Print the time of both ways to pair the samples of a triplet, to see from which number on the sweep is faster."""
+    print(f"\nmicroseconds of pairing the samples of a triplet (the kernel sweeps from {sweep.SWEEP_FROM} samples)")
+    print("   N  comparing  sweeping")
     for n in (100, 200, 250, 300, 350, 400, 500, 700, 1000):
-        samples = [kernel.coordinates(homogeneous(surface.positions[:n])) for surface in surfaces]
+        points = [homogeneous(surface.positions[:n]) for surface in surfaces]
         triplets = uniform_triplets(np.random.default_rng(0), 100, n, n)
         best = []
-        for all_of_them in (True, False):
+        for first_to_sweep in (n + 1, 0):
             times = []
-            for _ in range(1 + TURNS // 5):
-                start = time.perf_counter()
-                search(*samples, n, triplets, kernel.workspace(n, n), all_of_them)
-                times.append(1e6 * (time.perf_counter() - start) / 100)
+            with patch.object(pairing, "SWEEP_FROM", first_to_sweep):
+                for _ in range(1 + TURNS // 5):
+                    start = time.perf_counter()
+                    list(pairing.candidate_pairs(*points, *triplets, 0, False))
+                    times.append(1e6 * (time.perf_counter() - start) / 100)
             best.append(min(times[1:]))
-        print(f"{n:5} {best[0]:13.1f} {best[1]:9.1f}", flush=True)
+        print(f"{n:5} {best[0]:10.1f} {best[1]:9.1f}", flush=True)
 
 
 def main() -> None:

@@ -56,7 +56,8 @@ def insight(source: Surface, target: Surface, votes: Votes, pairs: np.ndarray) -
         triplets = [side.copy() for side in max_row_column(votes.matrix)[0][:3].T]
         if len(triplets[0]) < 3:
             return None
-        paired, best = mutual_pairs(*map(homogeneous, positions), *(side[None] for side in triplets)), 0
+        one, other = (side[None] for side in triplets)
+        paired, best = mutual_pairs(*map(homogeneous, positions), one, other), 0
     if any(len(np.unique(plane[triplet])) < 3 for plane, triplet in zip(positions, triplets, strict=True)):
         return None
     planes = [
