@@ -48,8 +48,9 @@ def insight(source: Surface, target: Surface, votes: Votes, pairs: np.ndarray) -
     numbers = [surface.mesh.vertex_ids[surface.samples] for surface in (source, target)]
     positions = [surface.positions for surface in (source, target)]
     share = normalized(votes.matrix)
+    points1, points2 = map(homogeneous, positions)
     if len(votes.best_source):
-        paired = mutual_pairs(*map(homogeneous, positions), votes.best_source, votes.best_target)
+        paired = mutual_pairs(points1, points2, votes.best_source, votes.best_target)
         best = _most_agreeing(paired, target, numbers[0], pairs)
         triplets = [votes.best_source[best], votes.best_target[best]]
     else:  # uniform triplets are not stored: the three largest entries of C
@@ -57,7 +58,7 @@ def insight(source: Surface, target: Surface, votes: Votes, pairs: np.ndarray) -
         if len(triplets[0]) < 3:
             return None
         one, other = (side[None] for side in triplets)
-        paired, best = mutual_pairs(*map(homogeneous, positions), one, other), 0
+        paired, best = mutual_pairs(points1, points2, one, other), 0
     if any(len(np.unique(plane[triplet])) < 3 for plane, triplet in zip(positions, triplets, strict=True)):
         return None
     planes = [
