@@ -199,7 +199,7 @@ def test_what_is_not_known_has_no_error(result, dense):
     assert [error for error in content["alignments"][0]["errors"] if error is not None] == [0.0, 0.0]
     source = numbers(content["colourings"][-1]["values"][0], "u1")
     assert 0 < (source != 255).sum() < 0.2 * len(source)
-    with pytest.raises(FormatError, match="the list belongs to another mesh"):
+    with pytest.raises(FormatError, match="the list is of another mesh"):
         page(result, truth=Truth(np.array([10**6]), np.array([0])))
 
 
