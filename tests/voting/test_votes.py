@@ -7,7 +7,7 @@ import mobius_match as mm
 from mobius_match.evaluation import examples
 from mobius_match.settings import make_settings
 from mobius_match.voting.parameters import VotingParameters
-from mobius_match.voting.votes import cast_votes
+from mobius_match.voting.votes import cast_votes, signature_similarity
 from tests.shapes import lump, tube
 
 
@@ -52,3 +52,11 @@ def test_progress_is_whole_where_votes_settle_early(surface):
     voting = [(done, total) for stage, done, total in calls if stage == "voting"]
     assert voting[-1][0] == voting[-1][1]
     assert [done for done, _ in voting] == sorted(done for done, _ in voting)
+
+
+def test_an_infinite_width_leaves_descriptors_out(surface):
+    signatures = surface.signatures
+    np.testing.assert_array_equal(signature_similarity(signatures, signatures, np.inf), 1.0)
+    similarity = signature_similarity(signatures, signatures[::-1], 2.0)
+    assert (similarity[:, ::-1].diagonal() == 1.0).all()
+    assert similarity.min() < 0.5

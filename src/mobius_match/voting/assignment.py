@@ -22,7 +22,7 @@ def max_row_column(matrix: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     Returns
     -------
     pairs
-        (Q, 2) int64 row and column numbers in the order taken; ends where nothing greater than zero is left.
+        (Q, 2) int64 row and column numbers in the order taken; ends when no entry greater than zero is left.
     confidence
         (Q,) float64, the entries, not increasing.
     """
@@ -39,9 +39,9 @@ def max_row_column(matrix: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def linear_assignment(matrix: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """The global choice that section 8 names: the assignment of largest sum, without its pairs of value zero.
+    """The global choice that section 8 names: the assignment with the largest sum, without its pairs of value zero.
 
-    Takes and returns what :func:`max_row_column` does, sorted by value.
+    Parameters and results are those of :func:`max_row_column`; pairs are sorted by value.
     """
     from scipy.optimize import linear_sum_assignment
 
@@ -89,18 +89,18 @@ def recover(
     radius1: float,
     radius2: float,
 ) -> np.ndarray:
-    """Which weak pairs the trusted ones bear out (section 8, last paragraph).
+    """Which weak pairs the trusted ones support (section 8, last paragraph).
 
-    A pair is borne out if the sample of surface 2 that is closest to z_j in feature space lies within the radius of
-    w_j, and the sample of surface 1 that is closest to w_j within the radius of z_j.
+    A pair (z_j, w_j) is supported if the sample of surface 2 that is closest to z_j in feature space lies within the
+    radius of w_j, and the sample of surface 1 that is closest to w_j within the radius of z_j.
 
     Parameters
     ----------
     pairs
         (Q, 2) sample numbers.
     trusted
-        (Q,) bool: which of the pairs are trusted. With fewer than three nothing is recovered, since two distances
-        do not fix a point.
+        (Q,) bool: which of the pairs are trusted. With fewer than three no pair is recovered, since two distances
+        do not determine a point.
     distances1, distances2
         (N1, N1) and (N2, N2) geodesic distances between the samples.
     radius1, radius2

@@ -1,7 +1,7 @@
 """Section 6, the Möbius group: fractional linear maps of the extended complex plane, equations 3 and 4.
 
 A map m(z) = (a z + b) / (c z + d) is the matrix [[a, b], [c, d]]; composition is the product of matrices. Infinity is
-a point like others: it is written ``complex("inf")``, and every function takes and gives it.
+a point like others: every function accepts and returns it as ``complex("inf")``.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ import numpy as np
 INFINITY = complex(float("inf"), 0.0)
 
 CANONICAL_TRIANGLE = np.exp(2j * np.pi * np.arange(1, 4) / 3)
-"""The equilateral triangle y_j = exp(2 pi i j / 3) that all triplets are moved to."""
+"""The equilateral triangle y_j = exp(2 pi i j / 3) to which all triplets are mapped."""
 
 
 def homogeneous(points: np.ndarray) -> np.ndarray:
@@ -22,7 +22,7 @@ def homogeneous(points: np.ndarray) -> np.ndarray:
 
 
 def to_zero_one_infinity(points: np.ndarray) -> np.ndarray:
-    """The map (2, 2) that takes three distinct points (3,) to 0, 1 and infinity, in this order.
+    """The map (2, 2) of three distinct points (3,) to 0, 1 and infinity, in this order.
 
     Raises
     ------
@@ -31,7 +31,7 @@ def to_zero_one_infinity(points: np.ndarray) -> np.ndarray:
     """
     p = homogeneous(points)
     # In homogeneous coordinates a difference z_i - z_j is the determinant of both, and the matrix of equation 4
-    # holds for infinity without a case of its own.
+    # holds for infinity without a special case.
     (p1, q1), (p2, q2), (p3, q3) = p
     d12, d23, d31 = p1 * q2 - p2 * q1, p2 * q3 - p3 * q2, p3 * q1 - p1 * q3
     if d12 == 0 or d23 == 0 or d31 == 0:
@@ -40,7 +40,7 @@ def to_zero_one_infinity(points: np.ndarray) -> np.ndarray:
 
 
 def from_three_points(sources: np.ndarray, targets: np.ndarray) -> np.ndarray:
-    """The one map (2, 2) that takes three distinct points to three distinct points, equation 4.
+    """The unique map (2, 2) of three distinct points to three distinct points, equation 4.
 
     Parameters
     ----------
@@ -63,14 +63,14 @@ def inverse(transformation: np.ndarray) -> np.ndarray:
 
 
 def apply(transformation: np.ndarray, points: np.ndarray) -> np.ndarray:
-    """Images of points, equation 3, shape kept; infinity is taken and given."""
+    """Images of points, equation 3, in the same shape; infinity may be among both."""
     images = homogeneous(points) @ np.asarray(transformation).T
     infinite = images[..., 1] == 0
     quotient = images[..., 0] / np.where(infinite, 1.0, images[..., 1])
-    # The division may overflow next to the pole: that is infinity as well.
+    # The division may overflow next to the pole: that is infinity too.
     return np.where(infinite | ~np.isfinite(quotient), INFINITY, quotient)
 
 
 def cross_ratio(z0: complex, z1: complex, z2: complex, z3: complex) -> complex:
-    """The image of z0 under the map that takes z1, z2, z3 to 0, 1, infinity: what Möbius maps leave unchanged."""
+    """The image of z0 under the map that takes z1, z2, z3 to 0, 1, infinity: the invariant of Möbius maps."""
     return complex(apply(to_zero_one_infinity(np.array([z1, z2, z3])), np.array(z0)))

@@ -7,7 +7,7 @@ import numpy as np
 from .._core.compiling import jit
 
 ATTEMPTS = 1000
-"""Draws for one guided triplet before it is given up."""
+"""Draws of one guided triplet before it is left out: a bound where no triplet fits."""
 
 
 def uniform_triplets(generator: np.random.Generator, count: int, n1: int, n2: int) -> tuple[np.ndarray, np.ndarray]:
@@ -16,7 +16,7 @@ def uniform_triplets(generator: np.random.Generator, count: int, n1: int, n2: in
 
 
 def _distinct(generator: np.random.Generator, count: int, n: int) -> np.ndarray:
-    # Draw from n, n - 1 and n - 2 numbers, and step over those already taken.
+    # Draw from n, n - 1 and n - 2 numbers, and skip those already drawn.
     first, second, third = (generator.integers(0, n - taken, count) for taken in range(3))
     second += second >= first
     low, high = np.minimum(first, second), np.maximum(first, second)
@@ -42,7 +42,7 @@ def guided_triplets(
     generator
         Random stream of this batch.
     count
-        How many are wanted.
+        Number of triplets.
     geodesics1, geodesics2
         (N1, N1) and (N2, N2) float64, distances between the samples per sqrt(area).
     allowed

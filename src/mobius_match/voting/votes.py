@@ -32,14 +32,13 @@ LEAST_BATCHES, LARGEST_BATCH = 32, 50_000
 """Uniform triplets come in at least so many batches, of at most so many."""
 
 ROUND = 8
-"""Batches between two looks at whether the votes have settled, where the program chooses how many there are."""
-
+"""Batches between two checks of whether the votes have settled, where the number of votes is not given."""
 
 TRIALS = 200
-"""Draws that tell whether most succeed."""
+"""Draws by which it is estimated whether most succeed."""
 
 DEFAULT_MIN_FRACTION = 0.4
-"""Section 6: K is 40 % of the samples."""
+"""Section 6: the paper's K is 40 % of the samples."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,7 +104,7 @@ class Votes:
 
 
 Batch = Callable[[np.random.SeedSequence, int], Votes]
-"""Takes a random stream and a number of triplets."""
+"""A function of a random stream and a number of triplets."""
 
 
 def cast_votes(
@@ -128,7 +127,7 @@ def cast_votes(
         Called as ``progress("voting", batches done, batches)``.
     disagreement
         (N1, N2) float64, for guided triplets: how much each two samples differ in their distances from known pairs of
-        points, per sqrt(area). Those that differ much are not matched.
+        points, per sqrt(area). Samples that differ much are not matched.
     parameters
         The constants of guided voting.
     """
@@ -220,7 +219,7 @@ def _weighing(
     settings: MatchSettings,
     parameters: VotingParameters,
 ) -> Callable[..., int]:
-    """:func:`vote_weighted` on these surfaces; it remains to give the triplets and the arrays to write to."""
+    """:func:`vote_weighted` on these surfaces, as a function of the triplets and the arrays to write to."""
     return partial(
         vote_weighted,
         homogeneous(source.positions),
@@ -291,4 +290,5 @@ def signature_similarity(signatures1: np.ndarray, signatures2: np.ndarray, width
     for row, signature in zip(differences, signatures1, strict=True):
         row[:] = (np.abs(signature - signatures2) / (signature + signatures2)).mean(axis=1)
     best = np.concatenate([differences.min(axis=0), differences.min(axis=1)])
-    return np.exp(-((differences / max(width * float(np.median(best)), 1e-9)) ** 2))
+    # Not less than a rounding error: a surface and itself have a median of zero, and the width may be infinite.
+    return np.exp(-((differences / (width * max(float(np.median(best)), 5e-10))) ** 2))
