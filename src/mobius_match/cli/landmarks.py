@@ -19,9 +19,6 @@ if TYPE_CHECKING:
     from ..landmarks.tables import Landmarks
     from ..transfer.transfer import Transfer
 
-FAR = 0.02
-"""Distance from the surface, per diagonal of the bounding box, above which a landmark is reported."""
-
 LISTED = 20
 """Names that a line lists at most."""
 
@@ -96,6 +93,8 @@ def _listed(names: list[str]) -> str:
 def _report_far(marks: Landmarks, distances: np.ndarray, transfer: Transfer, reporter: Reporter) -> None:
     """A line on the landmarks that do not lie on the surface."""
     import numpy as np
+
+    from ..landmarks.tables import FAR
 
     far = distances > FAR * float(np.linalg.norm(np.ptp(transfer.source.vertices, axis=0)))
     if far.any():

@@ -12,12 +12,8 @@ import numpy as np
 from ..errors import FormatError, SettingsError
 from ..mesh import Mesh
 from .formats import read_specimens
-from .tables import Landmarks, numbers, split_rows
+from .tables import FAR, Landmarks, numbers, split_rows
 from .text import read_text
-
-FAR = 0.02
-"""Distance from the nearest vertex, per diagonal of the bounding box, above which a landmark is reported as off the
-mesh."""
 
 
 def given_pairs(given: Any, meshes: Sequence[Mesh]) -> tuple[np.ndarray, list[str]]:

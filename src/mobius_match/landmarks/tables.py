@@ -18,6 +18,9 @@ from ..errors import FormatError
 TEXTS, ARRAYS = (".csv", ".txt"), (".npy", ".npz")
 COLUMNS = ("name", "vertex", "x", "y", "z")
 
+FAR = 0.02
+"""Distance from a surface, per diagonal of the bounding box, above which a landmark is reported as off it."""
+
 
 @dataclass(frozen=True, eq=False)
 class Landmarks:

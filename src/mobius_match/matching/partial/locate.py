@@ -106,7 +106,7 @@ def best_landmarks(pair: PartPair, registration: Registration) -> tuple[np.ndarr
     """The landmarks that a registration matches best: samples of the part and of the whole."""
     image, samples, constants = pair.whole.nearest_proxy[registration.image], pair.samples1, pair.parameters
     landmarks2, _, snapped = pair.compared(image)
-    angles = 1 - pair.angle_agreement(image)[0] + registration.normal_deviation
+    angles = 1 - pair.angle_agreement(image) + registration.normal_deviation
     errors = pair.weighted_errors(image, axis=1) + snapped
     errors = errors + registration.residual[samples] + constants.direction_weight * angles[samples]
     chosen = np.argsort(errors, kind="stable")[: constants.landmarks]

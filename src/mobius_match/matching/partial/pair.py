@@ -121,28 +121,24 @@ class PartPair:
         errors = np.minimum(self.compared(image)[1], self.parameters.error_cap)
         return np.asarray((weight * errors).sum(axis=axis) / weight.sum(axis=axis))
 
-    def angle_agreement(self, image: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """How well the angles between paths from landmarks agree at points and at their images, (P1,) in [0, 1].
-
-        First for the map as it is, then for its mirror image.
-        """
+    def angle_agreement(self, image: np.ndarray) -> np.ndarray:
+        """How well the angles between paths from landmarks agree at points and at their images, (P1,) in [0, 1]."""
         landmarks2 = self.compared(image)[0]
         here = self.paths1.x + 1j * self.paths1.y
         there = (self.paths2.x + 1j * self.paths2.y)[np.ix_(landmarks2, image)]
         most = np.maximum((np.abs(here) * np.abs(there)).sum(axis=0), 1e-9)
-        products = (here * there.conj(), here * there)
-        return tuple(np.abs(product.sum(axis=0)) / most for product in products)
+        return np.asarray(np.abs((here * there.conj()).sum(axis=0)) / most)
 
     def map_cost(self, image: np.ndarray) -> float:
         """Mean error of a map of the part's proxy to the whole's (P1,): distances, angles, curvatures."""
-        angles = 1 - self.angle_agreement(image)[0].mean()
+        angles = 1 - self.angle_agreement(image).mean()
         of_curvature = self.curvature_costs[np.arange(len(image)), image].mean()
         return float(self.compared(image)[1].mean() + self.parameters.direction_weight * angles + of_curvature)
 
     def cost_terms(self, registration: Registration) -> dict[str, float]:
         """What the cost of a registration is the sum of; 0 is perfect in each term."""
         image, constants = self.whole.nearest_proxy[registration.image], self.parameters
-        angles = float(1 - self.angle_agreement(image)[0].mean()) + float(registration.normal_deviation.mean())
+        angles = float(1 - self.angle_agreement(image).mean()) + float(registration.normal_deviation.mean())
         # A cut changes the curvatures that are smoothed more widely far into the part.
         gauss_and_mean = zip(self.curvatures1.T[:2], self.curvatures2[registration.image].T[:2], strict=True)
         return {
