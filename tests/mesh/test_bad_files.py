@@ -136,7 +136,12 @@ def test_a_header_cannot_promise_the_moon(tmp_path, name):
         (
             "a.ply",
             "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nend_header\n1\n",
-            "no face element|lacks",
+            "the header lacks a vertex element with x y z",
+        ),
+        (
+            "a.ply",
+            PLY.format("ascii", 3, 1).partition("element face")[0] + "end_header\n" + POINT,
+            "the header lacks a face element with vertex_indices.* A point cloud must be meshed first",
         ),
         (
             "a.ply",

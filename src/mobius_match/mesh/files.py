@@ -15,7 +15,7 @@ from .formats.obj import read_obj
 from .formats.objects import arrays_of, to_array
 from .formats.off import read_off
 from .formats.ply import read_ply
-from .formats.raw import RawMesh
+from .formats.raw import HOW_TO_MESH, RawMesh
 from .formats.stl import read_stl
 from .formats.vtk import read_vtk, read_vtkxml
 from .mesh import Mesh
@@ -73,8 +73,7 @@ def read_mesh(path: str | os.PathLike[str]) -> Mesh:
         ) from error
     if not len(raw.vertices) or not raw.n_faces:
         raise MeshError(
-            f"{path}: {len(raw.vertices)} vertices and {raw.n_faces} faces; a surface needs both. "
-            "A point cloud must be meshed first."
+            f"{path}: {len(raw.vertices)} vertices and {raw.n_faces} faces; a surface needs both. {HOW_TO_MESH}"
         )
     return Mesh(
         raw.vertices,

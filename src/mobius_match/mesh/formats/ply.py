@@ -14,7 +14,7 @@ import numpy as np
 
 from ...errors import FormatError
 from ..mesh import Ints
-from .raw import RawMesh, from_polygons, promised
+from .raw import HOW_TO_MESH, RawMesh, from_polygons, promised
 
 TYPES = {
     "char": "i1", "uchar": "u1", "short": "i2", "ushort": "u2", "int": "i4", "uint": "u4",
@@ -34,7 +34,8 @@ def read_ply(data: bytes) -> RawMesh:
     body = data[head.end() :]
     for name, wanted in (("vertex", {"x", "y", "z"}), ("face", {CORNERS})):
         if not wanted <= {known for known, _, _ in elements.get(name, (0, []))[1]}:
-            raise FormatError(f"the header lacks a {name} element with {' '.join(sorted(wanted))}.")
+            cloud = f" {HOW_TO_MESH}" if name == "face" and name not in elements else ""
+            raise FormatError(f"the header lacks a {name} element with {' '.join(sorted(wanted))}.{cloud}")
     column = [known for known, _, _ in elements["face"][1]].index(CORNERS)
     if any(count for _, _, count in elements["face"][1][:column]):
         raise FormatError("the corners of faces follow another list; export plain vertices and faces.")

@@ -11,6 +11,10 @@ from ...errors import FormatError
 from ..mesh import Floats, Ints
 
 DAMAGED = "The file is damaged or was cut short: export it again."
+HOW_TO_MESH = (
+    "A point cloud must be meshed first, for example by screened Poisson reconstruction in MeshLab, CloudCompare or "
+    "Open3D."
+)
 
 
 @dataclass
