@@ -13,7 +13,9 @@ from .parameters import RepairParameters
 from .seams import join_and_cut, seam_twins
 from .sheets import cut_edges, duplicate_faces, sheets
 from .slivers import collapse_needles, flip_caps
-from .topology import EdgeTable, components, edge_table, sides, used_vertices
+from .topology import Bools, EdgeTable, components, edge_table, sides, used_vertices
+
+Sides = tuple[Ints, Bools, Bools]  # of `topology.sides`
 
 LOOSE_AREA = 0.01  # the smallest pieces are dropped as long as their total area stays below this fraction
 
@@ -81,11 +83,13 @@ def repair(mesh: Mesh, parameters: RepairParameters = RepairParameters()) -> Mes
         faces, kept = faces[~loose], kept[~loose]
         table = edge_table(faces)
 
-    faces, origin, more, table = _cut_one_sided(mesh, faces, origin, table, parameters)
-    vertices = mesh.vertices[origin]
-    notes += more
+    known = sides(faces, table)
+    if known[2].any():
+        faces, origin, more, table = _cut_one_sided(mesh, faces, origin, table, known, parameters)
+        vertices, known = mesh.vertices[origin], sides(faces, table)
+        notes += more
 
-    faces, more = _orient(vertices, faces, table)
+    faces, more = _orient(vertices, faces, table, known)
     notes += more
 
     faces, rows, number, left = flip_caps(vertices, faces)
@@ -132,13 +136,13 @@ def repeated(rows: Ints) -> np.ndarray:
 
 
 def _cut_one_sided(
-    mesh: Mesh, faces: Ints, origin: Ints, table: EdgeTable, parameters: RepairParameters
+    mesh: Mesh, faces: Ints, origin: Ints, table: EdgeTable, known: Sides, parameters: RepairParameters
 ) -> tuple[Ints, Ints, list[str], EdgeTable]:
     """Cut one-sided pieces open, where the cut is no longer than their boundary or within one sample's cell.
 
     Returns faces in new numbers, the number in `mesh` of each new vertex, notes, and the edge table of the new faces.
     """
-    piece, _, twisted = sides(faces, table)
+    piece, _, twisted = known
     cuts, notes = [], []
     for label in np.unique(piece[twisted]).tolist():
         edges, length, boundary = shortest_cut(mesh.vertices[origin], faces, table, piece == label)
@@ -204,9 +208,9 @@ def _loose(vertices: Floats, faces: Ints, table: EdgeTable) -> np.ndarray:
     return drop[label]
 
 
-def _orient(vertices: Floats, faces: Ints, table: EdgeTable) -> tuple[Ints, list[str]]:
+def _orient(vertices: Floats, faces: Ints, table: EdgeTable, known: Sides) -> tuple[Ints, list[str]]:
     """Orient faces consistently: closed pieces outwards, open ones as the majority of their faces."""
-    piece, turned, twisted = sides(faces, table)
+    piece, turned, twisted = known
     turned = turned & ~twisted
     number = 2 * len(faces)  # labels are below this; most of them are not in use
     size = np.bincount(piece, minlength=number)
