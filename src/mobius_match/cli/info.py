@@ -57,7 +57,7 @@ def _table(entry: dict[str, Any]) -> Table:
     table.add_column()
     table.add_column(overflow="fold")
     for label, value in _rows(entry):
-        if label not in ("name", "notes", "reason"):
+        if label not in ("name", "notes", "reason") and not (label.endswith(" places") and not value):
             table.add_row(label, _shown(value))
     table.add_row("repairs", "\n".join(entry["notes"]) or "none")
     if entry["reason"]:
@@ -81,6 +81,9 @@ def _shown(value: Any) -> str:
         return "yes" if value else "no"
     if isinstance(value, float):
         return f"{value:.5g}"
+    if isinstance(value, dict):  # a vertex, or an edge by its two ends, and where it lies
+        numbers = value.get("vertices", [value.get("vertex")])
+        return f"{'-'.join(map(str, numbers))} ({', '.join(map(_shown, value['place']))})"
     if isinstance(value, list):
         rest = ["..."] if len(value) > LONGEST_LIST else []
         return ", ".join([*map(_shown, value[:LONGEST_LIST]), *rest]) or "-"

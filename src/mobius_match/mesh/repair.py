@@ -1,4 +1,4 @@
-"""Repair of a mesh: compact, without non-manifold vertices, consistently oriented, with a note for each change."""
+"""Repair of a mesh: a compact, consistently oriented manifold, with a note for each change."""
 
 from __future__ import annotations
 
@@ -6,22 +6,29 @@ from dataclasses import replace
 
 import numpy as np
 
-from .measure import areas, cross_products, twins, unit_box
+from .measure import areas, cross_products, unit_box
 from .mesh import Floats, Ints, Mesh, count
+from .one_sided import shortest_cut
+from .parameters import RepairParameters
+from .seams import join_and_cut, seam_twins
+from .sheets import cut_edges, duplicate_faces, sheets
 from .slivers import collapse_needles, flip_caps
-from .topology import EdgeTable, components, edge_table, fans, sides, used_vertices
+from .topology import Bools, EdgeTable, components, edge_table, sides, used_vertices
+
+Sides = tuple[Ints, Bools, Bools]  # of `topology.sides`
 
 LOOSE_AREA = 0.01  # the smallest pieces are dropped as long as their total area stays below this fraction
 
 
-def repair(mesh: Mesh) -> Mesh:
+def repair(mesh: Mesh, parameters: RepairParameters = RepairParameters()) -> Mesh:
     """Repair the defects that can be repaired without changing the shape.
 
-    Faces that name a vertex twice and duplicate faces are dropped; near-zero-length edges are collapsed; vertices with
-    equal coordinates are merged along seams; vertices where the surface only touches itself are split; small loose
-    pieces and unused vertices are dropped; faces are oriented consistently, closed surfaces outwards; faces without
-    area are removed by edge flips. What cannot be repaired (edges with three faces, handles, several large pieces) is
-    refused by `require_matchable`.
+    Faces that name a vertex twice and duplicate faces are dropped; near-zero-length edges are collapsed; edges with
+    more than two faces are separated into sheets; vertices with equal coordinates are merged along seams; vertices
+    where the surface only touches itself are split; small loose pieces and unused vertices are dropped; one-sided
+    surfaces are cut open where a short cut is enough; faces are oriented consistently, closed surfaces outwards; faces
+    without area are removed by edge flips. What cannot be repaired (handles, several large pieces) is refused by
+    `require_matchable`.
 
     Returns
     -------
@@ -39,8 +46,12 @@ def repair(mesh: Mesh) -> Mesh:
 
     again = repeated(np.sort(faces, axis=1))
     if again.any():
-        notes.append(f"{count(again.sum(), 'duplicate face', 'duplicate faces')} dropped.")
-        faces, kept = faces[~again], kept[~again]
+        again, folded = duplicate_faces(faces, again)
+        if again.any():
+            notes.append(f"{count(again.sum(), 'duplicate face', 'duplicate faces')} dropped.")
+        if folded.any():
+            notes.append(f"{_faces(folded.sum())} dropped that lie on each other, attached to a surface without them.")
+        faces, kept = faces[~(again | folded)], kept[~(again | folded)]
 
     faces, rows, number, table = collapse_needles(mesh.vertices, faces)
     if number:
@@ -48,14 +59,17 @@ def repair(mesh: Mesh) -> Mesh:
         notes.append(f"{edges} collapsed ({_faces(len(kept) - len(rows))} removed).")
         kept = kept[rows]
 
-    twin = twins(mesh.vertices)
+    twin = seam_twins(mesh)
     again = _repeated_pieces(faces, twin)
     if again.any():
         notes.append(f"{_faces(again.sum())} dropped: their piece coincides with another piece of the surface.")
         faces, kept = faces[~again], kept[~again]
         table = edge_table(faces)
 
-    faces, origin, more, table = _join_and_cut(faces, twin, table)
+    rows, table, more = _separate(mesh, faces, kept, table)
+    faces, kept, notes = faces[rows], kept[rows], [*notes, *more]
+
+    faces, origin, more, table = join_and_cut(faces, twin, table)
     vertices = mesh.vertices[origin]
     notes += more
 
@@ -69,7 +83,13 @@ def repair(mesh: Mesh) -> Mesh:
         faces, kept = faces[~loose], kept[~loose]
         table = edge_table(faces)
 
-    faces, more = _orient(vertices, faces, table)
+    known = sides(faces, table)
+    if known[2].any():
+        faces, origin, more, table = _cut_one_sided(mesh, faces, origin, table, known, parameters)
+        vertices, known = mesh.vertices[origin], sides(faces, table)
+        notes += more
+
+    faces, more = _orient(vertices, faces, table, known)
     notes += more
 
     faces, rows, number, left = flip_caps(vertices, faces)
@@ -115,6 +135,32 @@ def repeated(rows: Ints) -> np.ndarray:
     return again
 
 
+def _cut_one_sided(
+    mesh: Mesh, faces: Ints, origin: Ints, table: EdgeTable, known: Sides, parameters: RepairParameters
+) -> tuple[Ints, Ints, list[str], EdgeTable]:
+    """Cut one-sided pieces open, where the cut is no longer than their boundary or within one sample's cell.
+
+    Returns faces in new numbers, the number in `mesh` of each new vertex, notes, and the edge table of the new faces.
+    """
+    piece, _, twisted = known
+    cuts, notes = [], []
+    for label in np.unique(piece[twisted]).tolist():
+        edges, length, boundary = shortest_cut(mesh.vertices[origin], faces, table, piece == label)
+        if length <= max(boundary, parameters.one_sided_cut):
+            cuts.append(edges)
+            first = origin[table.edges[edges[0], 0]]
+            place = ", ".join(f"{x:.4g}" for x in mesh.vertices[first])
+            notes.append(
+                f"surface with one side only cut open along {count(len(edges), 'edge', 'edges')} "
+                f"({length:.2g} sqrt(area) long, at vertex {mesh.vertex_ids[first]}, ({place})), so that it has two."
+            )
+    if not cuts:
+        return faces, origin, notes, table
+    cut = cut_edges(table, np.concatenate(cuts))
+    faces, own, _, table = join_and_cut(faces, np.arange(len(origin)), cut)
+    return faces, origin[own], notes, table
+
+
 def _repeated_pieces(faces: Ints, twin: Ints) -> np.ndarray:
     """Faces of components that lie, face for face, exactly on earlier faces (double-sided models).
 
@@ -129,68 +175,23 @@ def _repeated_pieces(faces: Ints, twin: Ints) -> np.ndarray:
     return again & whole[label]
 
 
-def _join_and_cut(faces: Ints, twin: Ints, table: EdgeTable) -> tuple[Ints, Ints, list[str], EdgeTable]:
-    """Merge vertices along seams, then give every fan of faces a vertex of its own.
-
-    A seam is a pair of boundary edges, and no other edge, with equal coordinates. Surfaces that only touch at vertices
-    are not merged.
-
-    Returns faces in new numbers, the old number of each new vertex (the lowest of merged ones), notes, and the edge
-    table of the new faces.
-    """
-    separate, label = fans(faces, table)
-    number = separate
-    if (twin[faces] != faces).any():
-        fewer, merged = fans(faces, table, _seams(faces, twin, table))
-        if _no_worse(merged, label):
-            number, label = fewer, merged
-    old, new = faces.ravel(), label.ravel()
-    origin = np.full(number, len(twin), dtype=np.int64)
-    np.minimum.at(origin, new, old)
-    # Fans are numbered by the vertex they come from, so that a mesh without defects keeps its order.
-    order = np.argsort(origin, kind="stable")
-    rank = np.empty(number, dtype=np.int64)
-    rank[order] = np.arange(number)
-    links = number if number == separate else len(np.unique(old * number + new))
-    joined, cut = links - number, links - len(used_vertices(faces))
-    notes = []
-    if joined:
-        notes.append(f"{count(joined, 'vertex', 'vertices')} merged with another of the same coordinates, along seams.")
-    if cut:
-        times = count(cut, "vertex", "vertices")
-        notes.append(f"{times} added where parts of the surface only touch, to separate them.")
-    renamed = rank[label]
-    if not np.array_equal(renamed, faces):
-        table = edge_table(renamed)
-    return renamed, origin[order], notes, table
-
-
-def _no_worse(merged: Ints, plain: Ints) -> bool:
-    """Whether merging neither makes a face name a vertex twice nor brings a third face to an edge."""
-    if (merged == merged[:, [1, 2, 0]]).any():
-        return False
-    return int((edge_table(merged).counts > 2).sum()) <= int((edge_table(plain).counts > 2).sum())
-
-
-def _seams(faces: Ints, twin: Ints, table: EdgeTable) -> tuple[Ints, Ints]:
-    """Pairs of corners to link so that seams are closed."""
-    ends = np.sort(twin[table.edges], axis=1)
-    group = np.unique(ends[:, 0] * (len(twin) + 1) + ends[:, 1], return_inverse=True)[1]
-    load = np.bincount(group, weights=table.counts)
-    lone = (table.counts == 1) & (load[group] == 2) & (ends[:, 0] != ends[:, 1])
-    edge = np.flatnonzero(lone)
-    pairs = edge[np.argsort(group[edge], kind="stable")].reshape(-1, 2)
-    start = np.cumsum(table.counts) - table.counts
-    one, two = table.order[start[pairs[:, 0]]], table.order[start[pairs[:, 1]]]
-    firsts, seconds = [], []
-    for k in (1, 2):
-        a = one // 3 * 3 + (one % 3 + k) % 3
-        for j in (1, 2):
-            b = two // 3 * 3 + (two % 3 + j) % 3
-            same = twin[faces.ravel()[a]] == twin[faces.ravel()[b]]
-            firsts.append(a[same])
-            seconds.append(b[same])
-    return np.concatenate(firsts), np.concatenate(seconds)
+def _separate(mesh: Mesh, faces: Ints, kept: Ints, table: EdgeTable) -> tuple[Ints, EdgeTable, list[str]]:
+    """Separate edges with more than two faces into sheets: the remaining faces, the table of their edges, notes."""
+    many = np.flatnonzero(table.counts > 2)
+    if not len(many):
+        return np.arange(len(faces)), table, []
+    a, b = mesh.vertex_ids[table.edges[many[0]]]
+    edges = count(len(many), "edge", "edges")
+    notes = [f"{edges} with more than two faces separated into sheets (the first joins vertices {a} and {b})."]
+    table, rows, flat = sheets(mesh.vertices, faces, table)
+    if flat.any():
+        notes.append(f"{count(flat.sum(), 'flap', 'flaps')} without area dropped there.")
+    rest = ~flat
+    rest[rows] = False
+    if rest.any():
+        first = mesh.face_ids[kept[rest]][0]
+        notes.append(f"{_faces(rest.sum())} dropped that could not be separated (the first is face {first}).")
+    return rows, table, notes
 
 
 def _loose(vertices: Floats, faces: Ints, table: EdgeTable) -> np.ndarray:
@@ -207,9 +208,9 @@ def _loose(vertices: Floats, faces: Ints, table: EdgeTable) -> np.ndarray:
     return drop[label]
 
 
-def _orient(vertices: Floats, faces: Ints, table: EdgeTable) -> tuple[Ints, list[str]]:
+def _orient(vertices: Floats, faces: Ints, table: EdgeTable, known: Sides) -> tuple[Ints, list[str]]:
     """Orient faces consistently: closed pieces outwards, open ones as the majority of their faces."""
-    piece, turned, twisted = sides(faces, table)
+    piece, turned, twisted = known
     turned = turned & ~twisted
     number = 2 * len(faces)  # labels are below this; most of them are not in use
     size = np.bincount(piece, minlength=number)

@@ -9,10 +9,11 @@ import numpy as np
 
 from ..errors import MeshError, TopologyError
 from .measure import areas, box_scale, cross_products, twins, unit_box
-from .mesh import Mesh
+from .mesh import Ints, Mesh
 from .repair import repair, repeated
 from .slivers import MANY, is_flat
 from .topology import (
+    EdgeTable,
     boundary_lengths,
     components,
     edge_table,
@@ -38,7 +39,7 @@ def require_matchable(mesh: Mesh) -> None:
     MeshError
         If there are too few vertices or faces, or many faces without area.
     TopologyError
-        If there are edges with more than two faces, a surface with one side only, several pieces, or handles.
+        If there is a surface with one side only, several pieces, or handles.
     """
     name, faces = mesh.name, mesh.faces
     if len(faces) < MIN_FACES or len(mesh.vertices) < MIN_VERTICES:
@@ -52,13 +53,12 @@ def require_matchable(mesh: Mesh) -> None:
         a, b = mesh.vertex_ids[table.edges[many[0]]]
         raise TopologyError(
             f"{name}: {len(many)} edge(s) have more than two faces, the first joins vertices {a} and {b} "
-            f"({table.counts[many[0]]} faces). Remove the extra faces (in a mesh editor: select "
-            "non-manifold edges)."
+            f"({table.counts[many[0]]} faces). Repair the mesh first."
         )
     if sides(faces, table)[2].any():
         raise TopologyError(
-            f"{name}: the surface has only one side, like a Moebius strip, and cannot be oriented. "
-            "Cut it open or give another mesh."
+            f"{name}: the surface has only one side, like a Klein bottle, and a cut that makes it orientable would be "
+            "long. Cut it open or give another mesh."
         )
     number, label = components(faces, table)
     if number > 1:
@@ -93,8 +93,10 @@ def describe(mesh: Mesh) -> dict[str, Any]:
     Returns
     -------
     dict
-        ``notes`` lists the changes made on reading and repair; ``usable`` is whether the mesh can be matched,
-        ``reason`` why not (None if it can). Lengths and areas are in the user's units; undefined ones are None.
+        ``nonmanifold_edge_places`` and ``nonmanifold_vertex_places`` have the user's vertex numbers, coordinates (of an
+        edge its middle) and number of faces; ``notes`` lists the changes made on reading and repair; ``usable`` is
+        whether the mesh can be matched, ``reason`` why not (None if it can). Lengths and areas are in the user's units;
+        undefined ones are None.
     """
     repaired = repair(mesh)
     reason = None
@@ -131,9 +133,29 @@ def _defects(mesh: Mesh) -> dict[str, Any]:
         "degenerate_faces": int(double.sum() + flat.sum()),
         "duplicate_faces": int(repeated(np.sort(faces, axis=1)).sum()),
         "components": components(faces, table)[0],
-        "nonmanifold_edges": len(nonmanifold_edges(table)),
-        "nonmanifold_vertices": len(nonmanifold_vertices(faces, table)),
+        **_nonmanifold(mesh, faces, table),
         "consistently_oriented": not (turned.any() or twisted.any()),
+    }
+
+
+def _nonmanifold(mesh: Mesh, faces: Ints, table: EdgeTable) -> dict[str, Any]:
+    """How many edges have more than two faces and at how many vertices parts of the surface touch, and where."""
+    edges, vertices = nonmanifold_edges(table), nonmanifold_vertices(faces, table)
+    ends = table.edges[edges]
+    middles = mesh.vertices[ends[:, 0]] / 2 + mesh.vertices[ends[:, 1]] / 2
+    return {
+        "nonmanifold_edges": len(edges),
+        "nonmanifold_edge_places": [
+            {"vertices": pair, "faces": number, "place": place}
+            for pair, number, place in zip(
+                mesh.vertex_ids[ends].tolist(), table.counts[edges].tolist(), middles.tolist(), strict=True
+            )
+        ],
+        "nonmanifold_vertices": len(vertices),
+        "nonmanifold_vertex_places": [
+            {"vertex": vertex, "place": place}
+            for vertex, place in zip(mesh.vertex_ids[vertices].tolist(), mesh.vertices[vertices].tolist(), strict=True)
+        ],
     }
 
 

@@ -63,14 +63,22 @@ def edge_table(faces: Ints) -> EdgeTable:
     ranked = key[order]
     fresh = np.ones(len(key), dtype=bool)
     fresh[1:] = ranked[1:] != ranked[:-1]
+    first = ranked[fresh]
+    return grouped(order, fresh, np.stack([first // base, first % base], axis=1))
+
+
+def grouped(order: Ints, fresh: Bools, edges: Ints) -> EdgeTable:
+    """The table of edges whose corners follow each other in `order` (3 m,); `fresh` marks the first of each edge.
+
+    Several edges may have the same ends: those are the sheets of an edge that is cut, see :mod:`.sheets`.
+    """
     start = np.flatnonzero(fresh)
-    counts = np.diff(np.append(start, len(key)))
-    face_edges = np.empty(len(key), dtype=np.int64)
+    counts = np.diff(np.append(start, len(order)))
+    face_edges = np.empty(len(order), dtype=np.int64)
     face_edges[order] = np.cumsum(fresh) - 1
     edge_faces = np.full((len(start), 2), -1, dtype=np.int64)
     edge_faces[:, 0] = order[start] // 3
     edge_faces[counts > 1, 1] = order[start[counts > 1] + 1] // 3
-    edges = np.stack([ranked[start] // base, ranked[start] % base], axis=1)
     return EdgeTable(edges, counts, edge_faces, face_edges.reshape(-1, 3), order)
 
 
