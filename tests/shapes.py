@@ -70,6 +70,39 @@ def tube(around: int = 24, along: int = 20, radius: float = 1.0, length: float =
     return vertices, np.array(faces)
 
 
+def torus(major: float = 3.0, minor: float = 1.0, around: int = 40, across: int = 16) -> Arrays:
+    """A torus of around by across quadrilaterals, two triangles each; vertex i * across + j."""
+    i, j = np.divmod(np.arange(around * across), across)
+    u, v = 2 * np.pi * i / around, 2 * np.pi * j / across
+    radius = major + minor * np.cos(v)
+    vertices = np.stack([radius * np.cos(u), radius * np.sin(u), minor * np.sin(v)], axis=1)
+    right, up = (i + 1) % around * across, (j + 1) % across
+    a, b, c, d = i * across + j, right + j, right + up, i * across + up
+    return vertices, np.concatenate([np.stack([a, b, c], axis=1), np.stack([a, c, d], axis=1)])
+
+
+def with_handle(arrays: Arrays, one: int, two: int, rings: int = 3) -> Arrays:
+    """A shape with a tube of three sides from one face to another, in place of both; it may run through the shape.
+
+    The first vertices and all other faces keep their order.
+    """
+    vertices, faces = arrays
+    assert not set(faces[one]) & set(faces[two])
+    first, second = faces[one], faces[two][::-1]
+    second = min(
+        (np.roll(second, k) for k in range(3)),
+        key=lambda corners: np.linalg.norm(vertices[first] - vertices[corners], axis=1).sum(),
+    )
+    part = np.linspace(0, 1, rings + 2)[1:-1, None, None]
+    middle = (1 - part) * vertices[first] + part * vertices[second]
+    ring = np.concatenate([first[None], len(vertices) + np.arange(3 * rings).reshape(-1, 3), second[None]])
+    a, b = ring, np.roll(ring, -1, axis=1)
+    sides = [np.stack([a[:-1], b[:-1], b[1:]], axis=-1), np.stack([a[:-1], b[1:], a[1:]], axis=-1)]
+    tube = np.concatenate([side.reshape(-1, 3) for side in sides])
+    kept = np.delete(faces, [one, two], axis=0)
+    return np.concatenate([vertices, middle.reshape(-1, 3)]), np.concatenate([kept, tube])
+
+
 def true_places(name: str, *, mirrored: bool = False, reverse: bool = False) -> np.ndarray:
     """Where each vertex of a shipped pose lies on the other pose, (n, 3), in the coordinates of the other's file."""
     import mobius_match as mm

@@ -106,10 +106,24 @@ def pair(shape, tmp_path_factory):
 
 
 @pytest.fixture(scope="session")
-def torus(tmp_path_factory):
-    """A mesh that can be read and not matched."""
-    mesh = trimesh.creation.torus(2, 1, major_sections=16, minor_sections=8)
-    return _write(tmp_path_factory.mktemp("torus") / "torus.off", mesh.vertices, mesh.faces)
+def klein(tmp_path_factory):
+    """A mesh that can be read and not matched: a Klein bottle of 16 by 8 quadrilaterals."""
+
+    def at(i, j):
+        return i % 16 * 8 + (-j if i == 16 else j) % 8
+
+    faces = [
+        corners
+        for i in range(16)
+        for j in range(8)
+        for a, b, c, d in [(at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1))]
+        for corners in ((a, b, c), (a, c, d))
+    ]
+    u, v = 2 * np.pi * np.repeat(np.arange(16), 8) / 16, 2 * np.pi * np.tile(np.arange(8), 16) / 8
+    radius = 2 + np.cos(u / 2) * np.sin(v) - np.sin(u / 2) * np.sin(2 * v)
+    height = np.sin(u / 2) * np.sin(v) + np.cos(u / 2) * np.sin(2 * v)
+    vertices = np.stack([radius * np.cos(u), radius * np.sin(u), height], axis=1)
+    return _write(tmp_path_factory.mktemp("klein") / "klein.off", vertices, np.array(faces))
 
 
 @pytest.fixture

@@ -94,14 +94,14 @@ def test_a_folder_without_permission(mobius, tmp_path):
 
 
 @pytest.mark.parametrize("role", [0, 1])
-def test_unusable_input_leaves_the_old_output(mobius, pair, broken, torus, tmp_path, role):
+def test_unusable_input_leaves_the_old_output(mobius, pair, broken, klein, tmp_path, role):
     folder = tmp_path / "results"
     folder.mkdir()
     output, picture = folder / "result.json", folder / "matches.png"
     output.write_text("an older result")
     for bad, words in [
         (broken, [broken]),
-        (torus, ["torus.off", "handle"]),
+        (klein, ["klein.off", "one side"]),
         (tmp_path / "no.off", ["no.off"]),
     ]:
         inputs = [pair[0], pair[0]]

@@ -11,28 +11,28 @@ def test_a_table_for_each_mesh(mobius, pair):
     assert "\x1b" not in ended.out
 
 
-def test_json_is_a_list_with_an_entry_for_each_file(mobius, pair, torus, broken):
-    ended = mobius("info", pair[0], torus, broken, "--json")
+def test_json_is_a_list_with_an_entry_for_each_file(mobius, pair, klein, broken):
+    ended = mobius("info", pair[0], klein, broken, "--json")
     assert ended.code == 5
-    good, handle, unreadable = json.loads(ended.out)
+    good, one_sided, unreadable = json.loads(ended.out)
     assert (good["path"], good["vertices"], good["faces"]) == (str(pair[0]), 642, 1280)
     assert (good["usable"], good["reason"], good["genus"]) == (True, None, 0)
-    assert (handle["usable"], handle["genus"]) == (False, 1)
-    assert "handle" in handle["reason"]
+    assert (one_sided["usable"], one_sided["genus"]) == (False, None)
+    assert "one side" in one_sided["reason"]
     assert unreadable["usable"] is False
     assert str(broken) in unreadable["reason"]
     assert set(unreadable) <= set(good)
 
 
-def test_one_message_for_each_bad_file(mobius, pair, torus, broken):
-    some = mobius("info", pair[0], torus, broken)
+def test_one_message_for_each_bad_file(mobius, pair, klein, broken):
+    some = mobius("info", pair[0], klein, broken)
     assert some.code == 5
     lines = some.err.strip().split("\n")
     assert len(lines) == 2
-    assert lines[0].startswith("error: torus.off")
+    assert lines[0].startswith("error: klein.off")
     assert str(broken) in lines[1]
     assert "not usable because" in some.out
-    assert mobius("info", torus, broken).code == 3
+    assert mobius("info", klein, broken).code == 3
     assert mobius("info", broken).code == 3
     assert mobius("info", "no-such-file.off").code == 3
 

@@ -41,11 +41,11 @@ def test_files_in_place_of_meshes_give_the_same_result(mobius, pair, tmp_path):
     assert mobius("match", *files).out.count("one.off") == 1
 
 
-def test_one_failing_mesh_is_reported_and_the_rest_finished(mobius, pair, torus, broken, tmp_path):
-    ended = mobius("prepare", torus, pair[0], broken, "-o", tmp_path / "out", "--samples", 10, "--jobs", 1)
+def test_one_failing_mesh_is_reported_and_the_rest_finished(mobius, pair, klein, broken, tmp_path):
+    ended = mobius("prepare", klein, pair[0], broken, "-o", tmp_path / "out", "--samples", 10, "--jobs", 1)
     assert ended.code == 5
     assert [line.split(":")[:2] for line in ended.err.splitlines()] == [
-        ["error", f" {torus.name}"],
+        ["error", f" {klein.name}"],
         ["error", f" {broken}"],
     ]
     assert [path.name for path in (tmp_path / "out").iterdir()] == ["one.npz"]

@@ -126,8 +126,8 @@ def test_an_earlier_result_outlives_a_failure(mobius, pair, tmp_path):
     assert path.read_text() == "earlier"
 
 
-def test_unusable_meshes_are_3(mobius, torus, broken, tmp_path):
-    for path in (torus, broken, tmp_path / "missing.off"):
+def test_unusable_meshes_are_3(mobius, klein, broken, tmp_path):
+    for path in (klein, broken, tmp_path / "missing.off"):
         ended = mobius("symmetry", path, "--json")
         assert (ended.code, ended.out) == (3, "")
         assert path.name in ended.err

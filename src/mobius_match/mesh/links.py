@@ -8,7 +8,8 @@ from .._core.compiling import inlined, jit
 
 
 @inlined
-def _root(labels: np.ndarray, node: int) -> int:
+def root_of(labels: np.ndarray, node: int) -> int:
+    """The node that stands for the component of a node."""
     while labels[node] != node:
         labels[node] = labels[labels[node]]
         node = labels[node]
@@ -16,8 +17,9 @@ def _root(labels: np.ndarray, node: int) -> int:
 
 
 @inlined
-def _join(labels: np.ndarray, first: int, second: int) -> None:
-    a, b = _root(labels, first), _root(labels, second)
+def join(labels: np.ndarray, first: int, second: int) -> None:
+    """Make one component of those of two nodes."""
+    a, b = root_of(labels, first), root_of(labels, second)
     if a < b:
         labels[b] = a
     else:
@@ -42,7 +44,7 @@ def linked(size: int, first: np.ndarray, second: np.ndarray) -> tuple[int, np.nd
     """See :func:`.topology.labels_of`."""
     labels = np.arange(size)
     for i in range(len(first)):
-        _join(labels, first[i], second[i])
+        join(labels, first[i], second[i])
     return _number(labels), labels
 
 
@@ -58,7 +60,7 @@ def fan_links(
             for j in (1, 2):
                 end_two = two[i] // 3 * 3 + (two[i] + j) % 3
                 if corners[end_one] == corners[end_two]:
-                    _join(labels, end_one, end_two)
+                    join(labels, end_one, end_two)
     for i in range(len(first)):
-        _join(labels, first[i], second[i])
+        join(labels, first[i], second[i])
     return _number(labels), labels

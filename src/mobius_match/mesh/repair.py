@@ -27,7 +27,7 @@ def repair(mesh: Mesh, parameters: RepairParameters = RepairParameters()) -> Mes
     more than two faces are separated into sheets; vertices with equal coordinates are merged along seams; vertices
     where the surface only touches itself are split; small loose pieces and unused vertices are dropped; one-sided
     surfaces are cut open where a short cut is enough; faces are oriented consistently, closed surfaces outwards; faces
-    without area are removed by edge flips. What cannot be repaired (handles, several large pieces) is refused by
+    without area are removed by edge flips. What cannot be repaired (several large pieces) is refused by
     `require_matchable`.
 
     Returns

@@ -32,14 +32,15 @@ MIN_FACES, MIN_VERTICES = 20, 12
 def require_matchable(mesh: Mesh) -> None:
     """Refuse a mesh that cannot be flattened; to be called on a repaired mesh.
 
-    The flattening of section 5 needs one connected orientable surface of genus 0, with any number of holes.
+    The flattening of section 5 needs one connected orientable surface, with any number of holes. Handles are cut open
+    for it, see :func:`.handles.handle_loops`.
 
     Raises
     ------
     MeshError
         If there are too few vertices or faces, or many faces without area.
     TopologyError
-        If there is a surface with one side only, several pieces, or handles.
+        If there is a surface with one side only, or several pieces.
     """
     name, faces = mesh.name, mesh.faces
     if len(faces) < MIN_FACES or len(mesh.vertices) < MIN_VERTICES:
@@ -70,12 +71,6 @@ def require_matchable(mesh: Mesh) -> None:
         )
     if fans(faces, table)[0] != len(used_vertices(faces)):
         raise TopologyError(f"{name}: parts of the surface touch at single vertices. Repair the mesh first.")
-    handles = (2 - len(boundary_lengths(table)) - euler_characteristic(faces, table)) // 2
-    if handles:
-        raise TopologyError(
-            f"{name}: the surface has {handles} handle(s) (genus {handles}), but only spheres, with or without holes, "
-            "can be flattened. Cut or fill the handles (often: touching parts that a scan has fused)."
-        )
     flat = int(is_flat(unit_box(mesh.vertices), faces).sum())
     if flat > MANY * len(faces):
         raise MeshError(

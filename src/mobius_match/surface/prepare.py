@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from typing import Any, Unpack
 
 import numpy as np
@@ -18,6 +18,7 @@ from ..geometry.laplacian import intrinsic_mesh
 from ..geometry.spectral import eigenbasis, wave_kernel_signature
 from ..mesh import Mesh
 from ..mesh.files import as_mesh
+from ..mesh.handles import cut_along, handle_loops, handles_note
 from ..mesh.repair import repair
 from ..mesh.report import require_matchable
 from ..settings import PrepareOptions, PrepareSettings, Preset, make_prepare_settings
@@ -141,12 +142,26 @@ def prepare_mesh(
     parameters: SurfaceParameters = SurfaceParameters(),
 ) -> Surface:
     """:func:`prepare` for a mesh that :func:`matchable_mesh` gave."""
+    report = progress or (lambda stage, done, total: None)
     # One BLAS thread: these are many small calls, and sums must not depend on the number of processors.
     with threadpool_limits(limits=1, user_api="blas"):
-        return _prepare(mesh, settings, progress or (lambda stage, done, total: None), parameters)
+        mesh, loops = without_handles(mesh)
+        return _prepare(mesh, loops, settings, report, parameters)
 
 
-def _prepare(mesh: Mesh, settings: PrepareSettings, progress: Progress, parameters: SurfaceParameters) -> Surface:
+def without_handles(mesh: Mesh) -> tuple[Mesh, list[np.ndarray]]:
+    """A mesh cut open along a loop around each of its handles, and the loops in the numbers of the user's mesh."""
+    loops = handle_loops(mesh)
+    if not loops:
+        return mesh, []
+    cut, _ = cut_along(mesh, loops)
+    cut = replace(cut, notes=(*mesh.notes, handles_note(mesh, loops, "cut open")))
+    return cut, [mesh.vertex_ids[loop] for loop in loops]
+
+
+def _prepare(
+    mesh: Mesh, loops: list[np.ndarray], settings: PrepareSettings, progress: Progress, parameters: SurfaceParameters
+) -> Surface:
     warnings = []
     clock = Stopwatch()
     mesh, detail = (
@@ -225,6 +240,8 @@ def _prepare(mesh: Mesh, settings: PrepareSettings, progress: Progress, paramete
         curvatures=curvatures.astype(np.float32),
         cut_vertex=int(np.argmin(average)),
         closure=flattening.closure,
+        loops=np.array([vertex for loop in loops for vertex in loop.tolist()], np.int64),
+        loop_sizes=np.array([len(loop) for loop in loops], np.int64),
         area=area * scale**2,
         diameter=float(samples.distances.max()) * scale,
         timings=clock.laps,

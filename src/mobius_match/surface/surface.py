@@ -63,6 +63,9 @@ class Surface:
         Vertex of least average geodesic distance, at which the flattening is cut.
     closure
         Closure error of the conjugate function, as a fraction of the flattening's extent.
+    loops, loop_sizes
+        (l,) int64 vertices of the user's mesh along the loops around handles, one loop after the other, and (h,) int64
+        how many each has; empty where there is no handle.
     area, diameter
         Area and (estimated) geodesic diameter, in units of the mesh.
     timings
@@ -89,6 +92,8 @@ class Surface:
     curvatures: np.ndarray
     cut_vertex: int
     closure: float
+    loops: np.ndarray
+    loop_sizes: np.ndarray
     area: float
     diameter: float
     timings: dict[str, float]

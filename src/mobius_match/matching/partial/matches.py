@@ -19,8 +19,10 @@ from .parameters import PartialParameters
 
 
 def boundary_length(surface: Surface) -> float:
-    """Length of the boundary per sqrt(area)."""
-    ends = surface.mesh.vertices[boundary_edges(surface.mesh.faces)]
+    """Length of the boundary per sqrt(area); where a handle was cut open, nothing is missing."""
+    edges = boundary_edges(surface.mesh.faces)
+    edges = edges[~np.isin(surface.mesh.vertex_ids[edges], surface.loops).all(axis=1)]
+    ends = surface.mesh.vertices[edges]
     return float(np.linalg.norm(ends[:, 0] - ends[:, 1], axis=1).sum() / np.sqrt(surface.area))
 
 
