@@ -39,6 +39,10 @@ def test_a_unit_cube():
         "closed": True,
         "orientable": True,
         "bounding_box": {"min": [-0.5] * 3, "max": [0.5] * 3},
+        "pieces": [
+            {"vertices": 26, "faces": 48, "area": pytest.approx(6), "closed": True, "cavity": False, "first_vertex": 0}
+        ],
+        "unreached_vertices": [],
         "notes": [],
         "usable": True,
         "reason": None,
@@ -58,13 +62,15 @@ def test_faults_are_counted(shapes):
     assert info["nonmanifold_edges"] == 3 and not info["consistently_oriented"]
     assert info["genus"] == 0 and info["closed"] and info["usable"]
     assert len(info["notes"]) == 4
+    assert info["unreached_vertices"] == [162, 163, 164, 165]
 
 
 def test_boundary_and_pieces(shapes):
     info = describe(Mesh(*shapes.cylinder()))
     assert info["boundary_loops"] == {"count": 2, "lengths": [10, 10]} and not info["closed"] and info["usable"]
     info = describe(Mesh(*shapes.bowtie()))
-    assert info["components"] == 2 and info["nonmanifold_vertices"] == 1 and not info["usable"]
+    assert info["components"] == 2 and info["nonmanifold_vertices"] == 1 and info["usable"]
+    assert [piece["faces"] for piece in info["pieces"]] == [72, 72]
     info = describe(Mesh(*shapes.moebius()))
     assert info["orientable"] and info["genus"] == 0 and info["usable"] and not info["consistently_oriented"]
     info = describe(Mesh(*shapes.torus()))

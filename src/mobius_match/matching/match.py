@@ -30,6 +30,7 @@ from .parameters import Parameters
 from .partial.coverage import Coverage
 from .partial.matches import boundary_length
 from .partial.part import PartMatch, coverage_of_pair, match_part
+from .pieces.riding import with_other_pieces
 from .reading import aligned_matches, dense_map_of_part, dense_map_of_whole, part_matches, voted_matches
 
 
@@ -270,7 +271,7 @@ def _dense_map(
     parameters: Parameters,
     constraints: LandmarkConstraints | None,
 ) -> SurfaceMap:
-    """The dense map of the chosen alignment, through the landmarks."""
+    """The dense map of the chosen alignment, through the landmarks, and of all pieces."""
     with threadpool_limits(limits=1, user_api="blas"):
         if outcome.part is not None:
             dense = dense_map_of_part(outcome.part, parameters)
@@ -278,7 +279,9 @@ def _dense_map(
             dense = dense_map_of_whole(
                 source, target, outcome.votes, outcome.alignments, settings, parameters, constraints
             )
-    return dense if constraints is None else dense.with_pairs(*constraints.whole_vertices)
+    if constraints is not None:
+        dense = dense.with_pairs(*constraints.whole_vertices)
+    return with_other_pieces(dense, [], parameters.pieces, parameters.surface.proxy_size)
 
 
 def _alternatives(

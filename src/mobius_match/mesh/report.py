@@ -10,6 +10,7 @@ import numpy as np
 from ..errors import MeshError, TopologyError
 from .measure import areas, box_scale, cross_products, twins, unit_box
 from .mesh import Ints, Mesh
+from .pieces import MIN_FACES, MIN_VERTICES, joined, main_piece, pieces_of, unreached_vertices
 from .repair import repair, repeated
 from .slivers import MANY, is_flat
 from .topology import (
@@ -26,11 +27,9 @@ from .topology import (
     used_vertices,
 )
 
-MIN_FACES, MIN_VERTICES = 20, 12
-
 
 def require_matchable(mesh: Mesh) -> None:
-    """Refuse a mesh that cannot be flattened; to be called on a repaired mesh.
+    """Refuse a mesh that cannot be flattened; to be called on the :func:`.main_piece` of a repaired mesh.
 
     The flattening of section 5 needs one connected orientable surface, with any number of holes. Handles are cut open
     for it, see :func:`.handles.handle_loops`.
@@ -40,7 +39,7 @@ def require_matchable(mesh: Mesh) -> None:
     MeshError
         If there are too few vertices or faces, or many faces without area.
     TopologyError
-        If there is a surface with one side only, or several pieces.
+        If there is a surface with one side only.
     """
     name, faces = mesh.name, mesh.faces
     if len(faces) < MIN_FACES or len(mesh.vertices) < MIN_VERTICES:
@@ -61,14 +60,6 @@ def require_matchable(mesh: Mesh) -> None:
             f"{name}: the surface has only one side, like a Klein bottle, and a cut that makes it orientable would be "
             "long. Cut it open or give another mesh."
         )
-    number, label = components(faces, table)
-    if number > 1:
-        size = sorted(np.bincount(label).tolist(), reverse=True)
-        listed = ", ".join(map(str, size[:5])) + (", ..." if number > 5 else "")
-        raise TopologyError(
-            f"{name}: {number} separate pieces (with {listed} faces); one is needed. "
-            "Split the file into its pieces, or keep only the largest."
-        )
     if fans(faces, table)[0] != len(used_vertices(faces)):
         raise TopologyError(f"{name}: parts of the surface touch at single vertices. Repair the mesh first.")
     flat = int(is_flat(unit_box(mesh.vertices), faces).sum())
@@ -83,17 +74,19 @@ def describe(mesh: Mesh) -> dict[str, Any]:
     """All that ``mobius info`` shows, as a dictionary for JSON.
 
     Counts of defects (unused and duplicate vertices, degenerate faces, ...), components, sizes and orientation describe
-    the mesh as given; Euler characteristic, genus, boundary and quality describe it after repair.
+    the mesh as given. After repair ``pieces`` describes each piece, the main one first and then by area; Euler
+    characteristic, genus, boundary and quality describe the main piece.
 
     Returns
     -------
     dict
         ``nonmanifold_edge_places`` and ``nonmanifold_vertex_places`` have the user's vertex numbers, coordinates (of an
-        edge its middle) and number of faces; ``notes`` lists the changes made on reading and repair; ``usable`` is
-        whether the mesh can be matched, ``reason`` why not (None if it can). Lengths and areas are in the user's units;
+        edge its middle) and number of faces; ``unreached_vertices`` lists the vertices of the file that are on no face
+        after repair, and so in no map; ``notes`` lists the changes made on reading and repair; ``usable`` is whether
+        the mesh can be matched, ``reason`` why not (None if it can). Lengths and areas are in the user's units;
         undefined ones are None.
     """
-    repaired = repair(mesh)
+    repaired = main_piece(repair(mesh))
     reason = None
     try:
         require_matchable(repaired)
@@ -110,6 +103,8 @@ def describe(mesh: Mesh) -> dict[str, Any]:
         **_shape(repaired),
         **_sizes(mesh),
         "quality": _quality(repaired),
+        "pieces": _pieces(repaired),
+        "unreached_vertices": unreached_vertices(repaired).tolist(),
         "notes": list(repaired.notes),
         "usable": reason is None,
         "reason": reason,
@@ -165,6 +160,27 @@ def _shape(mesh: Mesh) -> dict[str, Any]:
         "closed": bool(len(faces)) and not len(loops),
         "orientable": not sides(faces, table)[2].any(),
     }
+
+
+def _pieces(mesh: Mesh) -> list[dict[str, Any]]:
+    """Each piece of a repaired mesh: the main one, and then the others, the largest first."""
+    if not len(mesh.faces):
+        return []
+    whole, (vertices, _), _ = joined(mesh)
+    pieces = pieces_of(whole)
+    main = pieces.vertices[vertices[0]]
+    order = np.argsort(np.where(np.arange(len(pieces)) == main, -np.inf, -pieces.areas), kind="stable")
+    return [
+        {
+            "vertices": int(pieces.sizes[k, 0]),
+            "faces": int(pieces.sizes[k, 1]),
+            "area": _finite(float(pieces.areas[k]), 1.0),
+            "closed": bool(pieces.closed[k]),
+            "cavity": bool(pieces.cavities[k]),
+            "first_vertex": int(whole.vertex_ids[pieces.vertices == k].min()),
+        }
+        for k in order.tolist()
+    ]
 
 
 def _sizes(mesh: Mesh) -> dict[str, Any]:

@@ -19,6 +19,7 @@ from ..geometry.spectral import eigenbasis, wave_kernel_signature
 from ..mesh import Mesh
 from ..mesh.files import as_mesh
 from ..mesh.handles import cut_along, handle_loops, handles_note
+from ..mesh.pieces import main_piece
 from ..mesh.repair import repair
 from ..mesh.report import require_matchable
 from ..settings import PrepareOptions, PrepareSettings, Preset, make_prepare_settings
@@ -125,12 +126,14 @@ def complete_preparation(
 def matchable_mesh(thing: Any) -> Mesh:
     """The repaired mesh of a path, of arrays, or of an object with both, if it can be matched at all.
 
+    Of several pieces it is the :func:`.main_piece`, with the others beside it.
+
     Raises
     ------
     MeshError
         If it cannot; the message says why and what to do.
     """
-    mesh = repair(as_mesh(thing))
+    mesh = main_piece(repair(as_mesh(thing)))
     require_matchable(mesh)
     return mesh
 

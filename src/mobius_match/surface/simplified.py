@@ -77,6 +77,7 @@ def simplified(mesh: Mesh, count: int, ratio: float) -> tuple[Mesh, Detail | Non
         faces=faces,
         vertex_ids=mesh.vertex_ids[kept],
         face_ids=np.full(len(faces), -1),
+        others=None,
     )
     try:
         require_matchable(simple)

@@ -33,9 +33,11 @@ def save_surface(surface: Any, path: str | os.PathLike[str]) -> None:
     parts: dict[str, Mesh | Detail] = {"mesh.": surface.mesh}
     if surface.detail is not None:
         parts |= {"detail.": surface.detail, "detail.mesh.": surface.detail.mesh}
+    if surface.whole_mesh.others is not None:
+        parts |= {"others.": surface.whole_mesh.others}
     for prefix, part in parts.items():
         more = _split(part, prefix)
-        values |= {name: value for name, value in more[0].items() if name != "detail.mesh"}
+        values |= {name: value for name, value in more[0].items() if not name.endswith((".mesh", ".others"))}
         arrays |= more[1]
     values |= {"format": FORMAT, "version": VERSION, "settings": asdict(surface.settings)}
     values["parameters"] = asdict(surface.parameters)
@@ -63,9 +65,10 @@ def load_fields(path: str | os.PathLike[str]) -> dict[str, Any]:
         found |= json.loads(str(found.pop("values")))
         if (found.pop("format"), found.pop("version")) != (FORMAT, VERSION):
             raise FormatError(f"{path}: not a prepared surface of version {VERSION}; prepare the mesh again")
-        whole = _mesh(found, "detail.mesh.") if "detail.mesh.vertices" in found else None
+        others = _mesh(found, "others.") if "others.vertices" in found else None
+        whole = _mesh(found, "detail.mesh.", others) if "detail.mesh.vertices" in found else None
         found["detail"] = None if whole is None else Detail(whole, **_taken(found, "detail."))
-        found["mesh"] = _mesh(found, "mesh.")
+        found["mesh"] = _mesh(found, "mesh.", others if whole is None else None)
         found["settings"], found["warnings"] = PrepareSettings(**found["settings"]), tuple(found["warnings"])
         numbers: dict[str, Any] = {k: tuple(v) if isinstance(v, list) else v for k, v in found["parameters"].items()}
         found["parameters"] = SurfaceParameters(**numbers)
@@ -81,9 +84,10 @@ def _taken(found: dict[str, Any], prefix: str) -> dict[str, Any]:
     return {name.removeprefix(prefix): found.pop(name) for name in list(found) if name.startswith(prefix)}
 
 
-def _mesh(found: dict[str, Any], prefix: str) -> Mesh:
+def _mesh(found: dict[str, Any], prefix: str, others: Mesh | None = None) -> Mesh:
     fields = _taken(found, prefix)
-    return Mesh(**fields | {"path": None if fields["path"] is None else Path(fields["path"])})
+    path = None if fields["path"] is None else Path(fields["path"])
+    return Mesh(**fields | {"path": path, "others": others})
 
 
 def _split(record: Any, prefix: str) -> tuple[dict[str, Any], dict[str, np.ndarray]]:

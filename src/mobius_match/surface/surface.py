@@ -14,6 +14,7 @@ from .._core.display import html_table, shortened
 from ..geometry.geodesics import graph_of, nearest_centres
 from ..geometry.spectral import wave_kernel_signature
 from ..mesh import Mesh
+from ..mesh.pieces import pieces_of, unreached_vertices
 from ..settings import LARGEST_SPACING, PrepareSettings
 from .parameters import SurfaceParameters
 from .simplified import Detail
@@ -131,8 +132,12 @@ class Surface:
 
     @property
     def info(self) -> dict[str, Any]:
-        """Path, SHA-256, numbers of vertices and faces, area and diameter, as they stand in results."""
-        mesh = self.mesh
+        """Path, SHA-256, numbers of vertices and faces, area and diameter, as they stand in results.
+
+        Where they are not zero, also the number of pieces beside the one that the area and the diameter are of, and of
+        vertices that no face uses once the mesh is repaired.
+        """
+        mesh, others, unreached = self.mesh, self.whole_mesh.others, len(unreached_vertices(self.whole_mesh))
         return {
             "path": None if mesh.path is None else str(mesh.path),
             "sha256": mesh.sha256,
@@ -140,6 +145,8 @@ class Surface:
             "faces": mesh.n_file_faces,
             "area": self.area,
             "diameter": self.diameter,
+            **({} if others is None else {"other_pieces": len(pieces_of(others))}),
+            **({"unreached_vertices": unreached} if unreached else {}),
         }
 
     @property
