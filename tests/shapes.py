@@ -103,6 +103,30 @@ def with_handle(arrays: Arrays, one: int, two: int, rings: int = 3) -> Arrays:
     return np.concatenate([vertices, middle.reshape(-1, 3)]), np.concatenate([kept, tube])
 
 
+def disc(count: int = 1200, hole: float = 0.0, seed: int = 0) -> Arrays:
+    """The flat unit disc, counter-clockwise, meshed at random by the seed; with a hole of that radius around 0."""
+    from scipy.spatial import Delaunay
+
+    rng, spacing = np.random.default_rng(seed), np.sqrt(np.pi / count)
+
+    def circle(radius: float) -> np.ndarray:
+        number = round(2 * np.pi * radius / spacing)
+        return radius * np.exp(1j * (2 * np.pi * np.arange(number) / number + rng.uniform(0, np.pi)))
+
+    k = np.arange(count)
+    inner = np.sqrt((k + 0.5) / count) * np.exp(1j * (k * np.pi * (3 - np.sqrt(5)) + rng.uniform(0, np.pi)))
+    inner += 0.2 * spacing * (rng.uniform(-1, 1, count) + 1j * rng.uniform(-1, 1, count))
+    inner = inner[(np.abs(inner) < 1 - 0.6 * spacing) & (np.abs(inner) > hole + 0.6 * spacing * (hole > 0))]
+    z = np.concatenate([inner, circle(1.0), circle(hole)])
+    points = np.stack([z.real, z.imag], axis=1)
+    faces = Delaunay(points).simplices
+    faces = faces[~(np.abs(z[faces]) < hole * (1 + 1e-9)).all(axis=1)]
+    one, two = points[faces[:, 1]] - points[faces[:, 0]], points[faces[:, 2]] - points[faces[:, 0]]
+    turned = one[:, 0] * two[:, 1] < one[:, 1] * two[:, 0]
+    faces[turned] = faces[turned][:, ::-1]
+    return np.column_stack([points, np.zeros(len(points))]), faces
+
+
 def true_places(name: str, *, mirrored: bool = False, reverse: bool = False) -> np.ndarray:
     """Where each vertex of a shipped pose lies on the other pose, (n, 3), in the coordinates of the other's file."""
     import mobius_match as mm
@@ -131,3 +155,19 @@ def rotation(seed: int = 0) -> np.ndarray:
     q, r = np.linalg.qr(np.random.default_rng(seed).normal(size=(3, 3)))
     q *= np.sign(np.diag(r))
     return q if np.linalg.det(q) > 0 else -q
+
+
+def cap(seed: int = 0, *, bend: float = 0.0, count: int = 1500) -> Arrays:
+    """A disc with three bumps of different height, counter-clockwise from above, meshed by the seed.
+
+    The first two coordinates without a bend are those of the flat disc; with it, that many radians are rolled up.
+    """
+    vertices, faces = disc(count, seed=seed)
+    x, y = vertices[:, 0], vertices[:, 1]
+    z = 0.4 * (1 - x**2 - y**2)
+    for height, width, at in ((0.5, 0.2, (0.45, 0.1)), (0.3, 0.25, (-0.2, 0.5)), (0.35, 0.15, (-0.3, -0.4))):
+        z += height * np.exp(-((x - at[0]) ** 2 + (y - at[1]) ** 2) / width**2)
+    if bend:
+        angle, radius = bend * x / 2, 2 / bend
+        return np.column_stack([(radius - z) * np.sin(angle), y, radius - (radius - z) * np.cos(angle)]), faces
+    return np.column_stack([x, y, z]), faces

@@ -24,6 +24,7 @@ from ..mesh.repair import repair
 from ..mesh.report import require_matchable
 from ..settings import PrepareOptions, PrepareSettings, Preset, make_prepare_settings
 from .cache import load_cached, store
+from .disc import disc_positions
 from .flattening import choose_cut_face, flatten, vertex_positions
 from .parameters import SurfaceParameters
 from .prepared import check_effective
@@ -220,6 +221,7 @@ def _prepare(
         ]
     )
     proxy = proxy_points(areas, parameters.proxy_size, samples.vertices)
+    disc = disc_positions(flattening, triangulation, proxy)
     nearest = nearest_centres(vertices, mesh.faces, proxy)
     touching = np.sort(nearest[mesh.faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)], axis=1)
     clock.lap("descriptors")
@@ -234,6 +236,7 @@ def _prepare(
         distances=distances * scale,
         cells=cells * scale**2,
         positions=positions,
+        disc=disc,
         signatures=signatures,
         eigenvalues=eigenvalues,
         eigenfunctions=eigenfunctions.astype(np.float32),

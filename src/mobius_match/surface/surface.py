@@ -15,6 +15,7 @@ from ..geometry.geodesics import graph_of, nearest_centres
 from ..geometry.spectral import wave_kernel_signature
 from ..mesh import Mesh
 from ..mesh.pieces import pieces_of, unreached_vertices
+from ..mesh.topology import boundary_edges, labels_of
 from ..settings import LARGEST_SPACING, PrepareSettings
 from .parameters import SurfaceParameters
 from .simplified import Detail
@@ -47,6 +48,8 @@ class Surface:
         (N,) float64 areas of the samples' cells, in squared units of the mesh.
     positions
         (N,) complex128 positions in the plane (section 5).
+    disc
+        (P,) complex128 positions of the proxy's vertices in the unit disc; empty where the surface is closed.
     signatures
         (N, 100) float64 wave kernel signatures of the samples.
     eigenvalues, eigenfunctions
@@ -84,6 +87,7 @@ class Surface:
     distances: np.ndarray
     cells: np.ndarray
     positions: np.ndarray
+    disc: np.ndarray
     signatures: np.ndarray
     eigenvalues: np.ndarray
     eigenfunctions: np.ndarray
@@ -163,6 +167,16 @@ class Surface:
     def average_distances(self) -> np.ndarray:
         """Average geodesic distance of each sample to the surface per sqrt(area), (N,)."""
         return self.normalized_distances @ self.cells / self.area
+
+    @cached_property
+    def rim_length(self) -> float:
+        """Length of the longest boundary loop per sqrt(area); 0 where the surface is closed."""
+        ends = boundary_edges(self.mesh.faces)
+        if not len(ends):
+            return 0.0
+        lengths = np.linalg.norm(self.mesh.vertices[ends[:, 0]] - self.mesh.vertices[ends[:, 1]], axis=1)
+        loop = labels_of(len(self.mesh.vertices), *ends.T)[1][ends[:, 0]]
+        return float(np.bincount(loop, lengths).max() / self.scale)
 
     @cached_property
     def descriptors(self) -> np.ndarray:
