@@ -17,6 +17,7 @@ from ..geometry.geodesics import geodesic_solver, heat_solver, nearest_centres
 from ..geometry.laplacian import intrinsic_mesh
 from ..geometry.spectral import eigenbasis, wave_kernel_signature
 from ..mesh import Mesh
+from ..mesh.envelope import envelope, is_wild
 from ..mesh.files import as_mesh
 from ..mesh.handles import cut_along, handle_loops, handles_note
 from ..mesh.pieces import main_piece
@@ -29,7 +30,7 @@ from .flattening import choose_cut_face, flatten, vertex_positions
 from .parameters import SurfaceParameters
 from .prepared import check_effective
 from .sampling import proxy_points, sample_points
-from .simplified import simplified
+from .simplified import beside_envelope, simplified
 from .storage import ENDING
 from .surface import Surface
 
@@ -149,8 +150,10 @@ def prepare_mesh(
     report = progress or (lambda stage, done, total: None)
     # One BLAS thread: these are many small calls, and sums must not depend on the number of processors.
     with threadpool_limits(limits=1, user_api="blas"):
-        mesh, loops = without_handles(mesh)
-        return _prepare(mesh, loops, settings, report, parameters)
+        stand_in = envelope(mesh) if is_wild(mesh) else mesh
+        cut, loops = without_handles(stand_in)
+        surface = _prepare(cut, loops, settings, report, parameters)
+        return surface if stand_in is mesh else replace(surface, detail=beside_envelope(surface.mesh, mesh))
 
 
 def without_handles(mesh: Mesh) -> tuple[Mesh, list[np.ndarray]]:
