@@ -124,6 +124,6 @@ def _points_on(vertices: Floats, faces: Ints, spacing: float) -> list[Floats]:
         i, j = (x.ravel() for x in np.meshgrid(np.arange(part + 1), np.arange(part + 1), indexing="ij"))
         weights = np.stack([i, j, part - i - j], axis=1)[i + j <= part] / part
         rows = np.flatnonzero(parts == part)
-        for chunk in np.array_split(rows, -(-len(rows) * len(weights) // BLOCK)):
-            blocks.append(np.einsum("pk,fkd->fpd", weights, vertices[faces[chunk]]).reshape(-1, 3))
+        chunks = np.array_split(rows, -(-len(rows) * len(weights) // BLOCK))
+        blocks += [np.einsum("pk,fkd->fpd", weights, vertices[faces[chunk]]).reshape(-1, 3) for chunk in chunks]
     return blocks

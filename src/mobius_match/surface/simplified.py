@@ -24,7 +24,7 @@ class Detail:
     mesh
         The user's mesh, repaired.
     kept
-        (k,) int32: of each vertex of the simplified mesh the number in ``mesh``, of an envelope that of the closest one.
+        (k,) int32: of each vertex of the simplified mesh the number in ``mesh``; of an envelope's the closest one.
     faces, barycentric
         (n,) int32 and (n, 3) float32: for each vertex of ``mesh`` a face of the simplified one, and the place in it.
     """
