@@ -18,7 +18,7 @@ from ..geometry.laplacian import intrinsic_mesh
 from ..geometry.spectral import eigenbasis, wave_kernel_signature
 from ..mesh import Mesh
 from ..mesh.files import as_mesh
-from ..mesh.handles import cut_along, handle_loops, handles_note
+from ..mesh.handles import cut_faces, handle_loops
 from ..mesh.pieces import main_piece
 from ..mesh.repair import repair
 from ..mesh.report import require_matchable
@@ -26,6 +26,7 @@ from ..settings import PrepareOptions, PrepareSettings, Preset, make_prepare_set
 from .cache import load_cached, store
 from .disc import disc_positions
 from .flattening import choose_cut_face, flatten, vertex_positions
+from .handles import handle_readings
 from .parameters import SurfaceParameters
 from .prepared import check_effective
 from .sampling import proxy_points, sample_points
@@ -149,22 +150,20 @@ def prepare_mesh(
     report = progress or (lambda stage, done, total: None)
     # One BLAS thread: these are many small calls, and sums must not depend on the number of processors.
     with threadpool_limits(limits=1, user_api="blas"):
-        mesh, loops = without_handles(mesh)
-        return _prepare(mesh, loops, settings, report, parameters)
-
-
-def without_handles(mesh: Mesh) -> tuple[Mesh, list[np.ndarray]]:
-    """A mesh cut open along a loop around each of its handles, and the loops in the numbers of the user's mesh."""
-    loops = handle_loops(mesh)
-    if not loops:
-        return mesh, []
-    cut, _ = cut_along(mesh, loops)
-    cut = replace(cut, notes=(*mesh.notes, handles_note(mesh, loops, "cut open")))
-    return cut, [mesh.vertex_ids[loop] for loop in loops]
+        handles = handle_readings(mesh, parameters.proxy_size)
+        surfaces = [
+            _prepare(one, handles.loops, k > 0, settings, report, parameters) for k, one in enumerate(handles.meshes)
+        ]
+    return surfaces[0] if len(surfaces) == 1 else replace(surfaces[0], other=surfaces[1])
 
 
 def _prepare(
-    mesh: Mesh, loops: list[np.ndarray], settings: PrepareSettings, progress: Progress, parameters: SurfaceParameters
+    mesh: Mesh,
+    loops: list[np.ndarray],
+    handles_kept: bool,
+    settings: PrepareSettings,
+    progress: Progress,
+    parameters: SurfaceParameters,
 ) -> Surface:
     warnings = []
     clock = Stopwatch()
@@ -199,14 +198,17 @@ def _prepare(
     clock.lap("sampling")
     progress(f"flattening {mesh.name}", 1, 3)
     average = cells @ samples.distances / area
-    cut_face = choose_cut_face(triangulation, average)
-    flattening = flatten(triangulation, cut_face)
+    flat, origin = triangulation, np.arange(len(vertices))
+    if handles_kept:
+        faces, origin = cut_faces(mesh.faces, handle_loops(mesh))
+        flat = intrinsic_mesh(vertices[origin], faces, delaunay=settings.triangulation == "delaunay")
+    flattening = flatten(flat, choose_cut_face(flat, average[origin]))
     if not flattening.closure < LARGEST_CLOSURE:
         warnings.append(
             f"the flattening closes only to {flattening.closure:.1e} of its extent; "
             "matches may suffer; remove sliver triangles"
         )
-    positions = vertex_positions(flattening, triangulation, samples.vertices, settings.placement)
+    positions = vertex_positions(flattening, flat, samples.vertices, settings.placement)
     clock.lap("flattening")
     progress(f"describing {mesh.name}", 2, 3)
     eigenvalues, eigenfunctions = eigenbasis(triangulation, parameters.eigenfunctions)
@@ -248,6 +250,8 @@ def _prepare(
         closure=flattening.closure,
         loops=np.array([vertex for loop in loops for vertex in loop.tolist()], np.int64),
         loop_sizes=np.array([len(loop) for loop in loops], np.int64),
+        handles_kept=handles_kept,
+        other=None,
         area=area * scale**2,
         diameter=float(samples.distances.max()) * scale,
         timings=clock.laps,

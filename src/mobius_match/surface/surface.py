@@ -70,6 +70,11 @@ class Surface:
     loops, loop_sizes
         (l,) int64 vertices of the user's mesh along the loops around handles, one loop after the other, and (h,) int64
         how many each has; empty where there is no handle.
+    handles_kept
+        False if the mesh is cut open along all loops, as where parts of a body touch; True if handles are real, and
+        cut in the flattening alone.
+    other
+        The same mesh prepared with its handles kept, where that is possible as well; else None.
     area, diameter
         Area and (estimated) geodesic diameter, in units of the mesh.
     timings
@@ -99,6 +104,8 @@ class Surface:
     closure: float
     loops: np.ndarray
     loop_sizes: np.ndarray
+    handles_kept: bool
+    other: Surface | None
     area: float
     diameter: float
     timings: dict[str, float]
@@ -133,6 +140,11 @@ class Surface:
     def whole_mesh(self) -> Mesh:
         """The repaired mesh with all of the user's vertices."""
         return self.mesh if self.detail is None else self.detail.mesh
+
+    @property
+    def readings(self) -> tuple[Surface, ...]:
+        """This surface, and the one with its handles kept, where both are possible."""
+        return (self,) if self.other is None else (self, self.other)
 
     @property
     def info(self) -> dict[str, Any]:
@@ -236,7 +248,13 @@ class Surface:
         FormatError
             If the file cannot be read or is none of this version.
         """
-        return cls(**load_fields(path))
+        return cls._of(load_fields(path))
+
+    @classmethod
+    def _of(cls, found: dict[str, Any]) -> Surface:
+        """The surface with the fields of a file."""
+        other = found["other"]
+        return cls(**found | {"other": None if other is None else cls._of(other)})
 
 
 @dataclass(frozen=True, eq=False, repr=False)
