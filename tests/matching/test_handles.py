@@ -150,3 +150,15 @@ def test_rims_of_a_cut_are_no_openings():
     surface = mm.prepare(torus(around=24, across=12), samples=20)
     assert len(surface.mesh.vertices) == 24 * 12 + 12
     assert boundary_length(surface) == 0
+
+
+def test_a_hole_in_a_surface_with_a_handle_is_its_only_opening():
+    """With handles cut open or kept, and simplified or not."""
+    vertices, faces = torus(around=48, across=24)
+    hole = np.isin(faces, faces[0]).any(axis=1)
+    for resolution in (8000, 500):
+        surface = mm.prepare((vertices, faces[~hole]), samples=20, resolution=resolution)
+        lengths = [boundary_length(reading) for reading in surface.readings]
+        assert len(surface.mesh.vertices) < 600 or resolution == 8000
+        assert lengths == pytest.approx([surface.rim_length] * 2)
+        assert 0.2 < lengths[0] < 0.4  # two rims of the cut would add 1.1

@@ -22,6 +22,7 @@ from ..mesh.handles import cut_faces, handle_loops
 from ..mesh.pieces import main_piece
 from ..mesh.repair import repair
 from ..mesh.report import require_matchable
+from ..mesh.topology import boundary_edges
 from ..settings import PrepareOptions, PrepareSettings, Preset, make_prepare_settings
 from .cache import load_cached, store
 from .disc import disc_positions
@@ -223,7 +224,9 @@ def _prepare(
         ]
     )
     proxy = proxy_points(areas, parameters.proxy_size, samples.vertices)
-    disc = disc_positions(flattening, triangulation, proxy)
+    # A boundary along which a handle was cut open is no edge of a disc.
+    rim = np.isin(mesh.vertex_ids[boundary_edges(mesh.faces)], np.concatenate([*loops, []])).all()
+    disc = np.empty(0, np.complex128) if rim else disc_positions(flattening, flat, proxy)
     nearest = nearest_centres(vertices, mesh.faces, proxy)
     touching = np.sort(nearest[mesh.faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)], axis=1)
     clock.lap("descriptors")

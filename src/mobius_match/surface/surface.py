@@ -181,9 +181,15 @@ class Surface:
         return self.normalized_distances @ self.cells / self.area
 
     @cached_property
+    def open_edges(self) -> np.ndarray:
+        """Edges (b, 2) of the boundary, without those along which handles were cut open: there nothing is missing."""
+        edges = boundary_edges(self.mesh.faces)
+        return edges[~np.isin(self.mesh.vertex_ids[edges], self.loops).all(axis=1)]
+
+    @cached_property
     def rim_length(self) -> float:
         """Length of the longest boundary loop per sqrt(area); 0 where the surface is closed."""
-        ends = boundary_edges(self.mesh.faces)
+        ends = self.open_edges
         if not len(ends):
             return 0.0
         lengths = np.linalg.norm(self.mesh.vertices[ends[:, 0]] - self.mesh.vertices[ends[:, 1]], axis=1)
