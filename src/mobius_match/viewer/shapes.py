@@ -14,6 +14,7 @@ from ..exporting.rendering import Shape
 from ..exporting.result_meshes import mesh_of, vertices_numbered
 from ..exporting.scene import ELEVATION, best_azimuth, colours_of, shape_of
 from ..mesh.handles import handle_loops
+from ..mesh.pieces import main_piece
 from ..surface.simplified import simplified
 from . import packing
 
@@ -93,7 +94,8 @@ def _drawn(mesh: Mesh, surface: Surface | None) -> tuple[np.ndarray, np.ndarray]
 
 def _loops(mesh: Mesh, surface: Surface | None) -> list[np.ndarray]:
     if surface is None:  # a result that was loaded
-        return handle_loops(mesh)
+        main = main_piece(mesh)
+        return [vertices_numbered(mesh, main.vertex_ids[loop]) for loop in handle_loops(main)]
     numbers = vertices_numbered(mesh, surface.loops) if len(surface.loops) else surface.loops
     return np.split(numbers, np.cumsum(surface.loop_sizes)[:-1]) if len(numbers) else []
 
