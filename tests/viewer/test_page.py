@@ -54,6 +54,25 @@ def test_spheres_are_at_the_matched_vertices(result, mesh):
         np.testing.assert_allclose(ratios, ratios.mean(), rtol=5e-3)
 
 
+def test_loops_around_handles_are_closed_chains_of_edges(ring):
+    result, loop = ring
+    source, target = element(page(result), "shapes")["sides"]
+    assert "loops" not in target
+    from_to = numbers(source["loops"], "<f4").reshape(-1, 2, 3)
+    np.testing.assert_allclose(from_to[:, 0], vertices(source)[loop], atol=2e-5)
+    np.testing.assert_array_equal(from_to[:, 1], np.roll(from_to[:, 0], -1, axis=0))
+
+
+def test_loops_of_a_loaded_result_are_found_again(ring, tmp_path):
+    result = ring[0]
+    whole = repair(as_mesh(shapes.torus()))
+    write_ply(tmp_path / "ring.ply", whole, np.zeros((len(whole.vertices), 3)))
+    mesh = as_mesh(tmp_path / "ring.ply")
+    loaded = replace(result, source=None, source_info=info(mesh, str(tmp_path / "ring.ply")))
+    found = [element(page(one), "shapes")["sides"][0]["loops"] for one in (result, loaded)]
+    assert found[0] == found[1]
+
+
 def test_exact_places_on_the_target_are_used(result, mesh):
     weights = np.full((24, 3), [0.5, 0.3, 0.2])
     faces = np.arange(24)

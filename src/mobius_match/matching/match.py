@@ -26,6 +26,7 @@ from ..surface.prepare import begin_preparation, complete_preparation
 from ..surface.prepared import check_effective, settings_used
 from ..surface.surface import Surface
 from ..voting.votes import Votes, cast_votes
+from .handles import best_reading
 from .parameters import Parameters
 from .partial.coverage import Coverage
 from .partial.matches import boundary_length
@@ -101,15 +102,22 @@ def match(
     clock = Stopwatch()
     first, second = _prepared((source, target), chosen, settings, preset, cache, progress, parameters, clock)
     chosen, target_preparation, of_preparation = settings_used(chosen, first.settings, second.settings)
-    constraints, of_landmarks = None, list[str]()
-    if landmarks is not None:
-        constraints, of_landmarks = landmark_constraints(landmarks, first, second, parameters.alignment.landmarks)
-    votes = cast_votes(first, second, chosen, progress, parameters=parameters.alignment.voting)
-    clock.lap("voting")
-    # One BLAS thread: sums must not depend on the number of processors.
-    with threadpool_limits(limits=1, user_api="blas"):
-        outcome = align(first, second, votes, chosen, parameters, constraints)
+
+    def explain(one: Surface, two: Surface) -> tuple[list[Alignment], _Explained]:
+        constraints, of_landmarks = None, list[str]()
+        if landmarks is not None:
+            constraints, of_landmarks = landmark_constraints(landmarks, one, two, parameters.alignment.landmarks)
+        votes = cast_votes(one, two, chosen, progress, parameters=parameters.alignment.voting)
+        clock.lap("voting")
+        # One BLAS thread: sums must not depend on the number of processors.
+        with threadpool_limits(limits=1, user_api="blas"):
+            outcome = align(one, two, votes, chosen, parameters, constraints)
         clock.lap("alignments")
+        return outcome.alignments, (outcome, constraints, of_landmarks)
+
+    first, second, explained, of_handles = best_reading(first, second, explain, parameters)
+    outcome, constraints, of_landmarks = explained
+    with threadpool_limits(limits=1, user_api="blas"):
         matches = read_matches(first, second, outcome, chosen, parameters)
         matches = with_given_pairs(matches, constraints, second)
     if not len(matches["pairs"]):
@@ -145,6 +153,7 @@ def match(
             *outcome.votes.warnings,
             *outcome.notes,
             *of_landmarks,
+            *of_handles,
             *ambiguity_warnings(outcome.alignments, parameters.alignment),
         ),
         _make_alternatives=partial(_alternatives, first, second, outcome, chosen, parameters),
@@ -153,6 +162,9 @@ def match(
         target=second,
         votes=outcome.votes,
     )
+
+
+_Explained = tuple["Outcome", LandmarkConstraints | None, list[str]]
 
 
 def _prepared(

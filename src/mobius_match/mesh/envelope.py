@@ -7,12 +7,13 @@ cavities and what lies in them are gone.
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import igl
 import numpy as np
 from scipy.ndimage import distance_transform_edt, label
 
+from .._core.display import one_line
 from .handles import number_of_handles
 from .measure import areas, box_scale, unit_box
 from .mesh import Floats, Ints, Mesh
@@ -32,31 +33,48 @@ def is_wild(mesh: Mesh, parameters: EnvelopeParameters = EnvelopeParameters()) -
     return number_of_handles(mesh.faces) > parameters.most_handles
 
 
-def envelope(mesh: Mesh, parameters: EnvelopeParameters = EnvelopeParameters()) -> Mesh:
-    """The envelope of a mesh.
+@dataclass(frozen=True, eq=False)
+class Envelope:
+    """An envelope of a mesh.
 
     Parameters
     ----------
     mesh
-        A repaired mesh.
-    parameters
-        The constants of the method.
-
-    Returns
-    -------
-    Mesh
         A closed surface in one piece; wide handles are left. ``vertex_ids`` are those of the closest faces' closest
         vertices, ``face_ids`` -1. A note has the distance of the user's vertices from it.
+    offset
+        Its distance from the mesh, in units of the square root of the area of the mesh.
     """
+
+    mesh: Mesh
+    offset: float
+
+    def __repr__(self) -> str:
+        return one_line(self)
+
+
+def envelopes(mesh: Mesh, parameters: EnvelopeParameters = EnvelopeParameters()) -> list[Envelope]:
+    """The close and the wide envelope of a mesh; the wide one alone where the close one is wild as well.
+
+    A tunnel that is open in one shape may be closed in another one, and a cavity behind it comes or goes with it. Which
+    envelope is the better one shows when two shapes are matched.
+
+    Parameters
+    ----------
+    mesh
+        A repaired mesh in one piece.
+    parameters
+        The constants of the method.
+    """
+    close, wide = (_envelope(mesh, offset, parameters.close / 2) for offset in (parameters.close, parameters.wide))
+    return [wide] if is_wild(close.mesh, parameters) or close.offset >= wide.offset else [close, wide]
+
+
+def _envelope(mesh: Mesh, offset: float, step: float) -> Envelope:
     unit = unit_box(mesh.vertices)
     scale = float(np.sqrt(areas(mesh.vertices, mesh.faces).sum()))
-    offset, widest = parameters.offset * scale, parameters.widest * scale
-    while True:
-        offset, vertices, faces = _offset_surface(unit, mesh.faces, offset)
-        made = _largest_piece(repair(Mesh(vertices, faces)))
-        if offset >= widest or not is_wild(made, parameters):
-            break
-        offset = min(2 * offset, widest)
+    made_at, vertices, faces = _offset_surface(unit, mesh.faces, offset * scale, step * scale)
+    made = _largest_piece(repair(Mesh(vertices, faces)))
     _, face, point = igl.point_mesh_squared_distance(made.vertices, unit, mesh.faces)
     corners = mesh.faces[face]
     nearest = ((unit[corners] - point[:, None]) ** 2).sum(axis=2).argmin(axis=1)
@@ -68,7 +86,7 @@ def envelope(mesh: Mesh, parameters: EnvelopeParameters = EnvelopeParameters()) 
         f"{number_of_handles(made.faces)} handles stands for the surface (distance of the vertices from it per "
         f"sqrt(area): mean {distance.mean() / size:.2g}, at most {distance.max() / size:.2g})."
     )
-    return replace(
+    outer = replace(
         mesh,
         vertices=made.vertices * box_scale(mesh.vertices)
         + (mesh.vertices.min(axis=0) / 2 + mesh.vertices.max(axis=0) / 2),
@@ -77,6 +95,7 @@ def envelope(mesh: Mesh, parameters: EnvelopeParameters = EnvelopeParameters()) 
         face_ids=np.full(len(made.faces), -1),
         notes=(*mesh.notes, note),
     )
+    return Envelope(outer, made_at / scale)
 
 
 def _largest_piece(mesh: Mesh) -> Mesh:
@@ -87,15 +106,15 @@ def _largest_piece(mesh: Mesh) -> Mesh:
     return repair(Mesh(mesh.vertices, mesh.faces[piece == largest]))
 
 
-def _offset_surface(vertices: Floats, faces: Ints, offset: float) -> tuple[float, Floats, Ints]:
-    """The outer surface at a distance from a mesh, by marching cubes on a grid of half of it.
+def _offset_surface(vertices: Floats, faces: Ints, offset: float, step: float) -> tuple[float, Floats, Ints]:
+    """The outer surface at a distance from a mesh, by marching cubes on a grid of that step.
 
-    The distance is raised where the grid would be too large, and returned with the surface.
+    The distance, at least two steps, is raised where the grid would be too large, and returned with the surface.
     """
     low, size = vertices.min(axis=0), np.ptp(vertices, axis=0)
-    while np.prod((size + 4 * offset) / (offset / 2)) > MOST_CELLS:
-        offset *= 1.1
-    step = offset / 2
+    while np.prod((size + 2 * offset) / step + 6) > MOST_CELLS:
+        step *= 1.1
+        offset = max(offset, 2 * step)
     low = low - offset - 2 * step
     shape = np.ceil((size + 2 * offset + 4 * step) / step).astype(np.int64) + 1
     free = np.ones(shape, dtype=bool)

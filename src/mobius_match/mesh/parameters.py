@@ -28,15 +28,15 @@ class EnvelopeParameters:
         "handles above which an envelope stands for a mesh",
         origin="half of 100 samples: cut along so many loops, a surface has a rim for each sample",
     )
-    offset: float = parameter(
+    close: float = parameter(
         0.016,
-        "distance of the envelope from the mesh",
+        "distance of the close envelope from the mesh",
         unit=AREA,
         origin="radius of one of 1200 equal discs that make up the area, 1 / sqrt(1200 pi): one proxy vertex",
     )
-    widest: float = parameter(
+    wide: float = parameter(
         0.056,
-        "distance up to which it is doubled while too many handles are left",
+        "distance of the wide envelope from the mesh",
         unit=AREA,
         origin="radius of one of 100 equal discs, 1 / sqrt(100 pi): one sample's cell",
     )

@@ -13,6 +13,8 @@ from ..exporting.figures import RADIUS
 from ..exporting.rendering import Shape
 from ..exporting.result_meshes import mesh_of, vertices_numbered
 from ..exporting.scene import ELEVATION, best_azimuth, colours_of, shape_of
+from ..mesh.handles import handle_loops
+from ..mesh.pieces import main_piece
 from ..surface.simplified import simplified
 from . import packing
 
@@ -45,6 +47,8 @@ class Side:
         (n, 3) positions of the vertices on the page: centred at the origin, in the scale of the page.
     kept, faces
         (k,) numbers of the drawn vertices, and faces (m, 3) between them.
+    loops
+        Vertices (l,) of each loop around a handle.
     """
 
     mesh: Mesh
@@ -52,6 +56,7 @@ class Side:
     vertices: np.ndarray
     kept: np.ndarray
     faces: np.ndarray
+    loops: list[np.ndarray]
 
     def __repr__(self) -> str:
         return one_line(self)
@@ -72,7 +77,7 @@ def sides_of(result: Correspondence) -> tuple[list[Side], float]:
     fits = [1 / np.linalg.norm(vertices, axis=1).max() for vertices in centred]
     scales = [max(min(fits), fit / 1.5) for fit in fits]
     sides = [
-        Side(mesh, shape, vertices * scale, *_drawn(mesh, surface))
+        Side(mesh, shape, vertices * scale, *_drawn(mesh, surface), _loops(mesh, surface))
         for mesh, shape, vertices, scale, surface in zip(meshes, shapes, centred, scales, surfaces, strict=True)
     ]
     return sides, 0.8 * RADIUS * min(scales) * float(np.sqrt(FEW / max(len(result), FEW)))
@@ -85,6 +90,14 @@ def _drawn(mesh: Mesh, surface: Surface | None) -> tuple[np.ndarray, np.ndarray]
         return surface.detail.kept, surface.mesh.faces
     simple, detail = simplified(mesh, SIMPLIFIED_VERTICES, 1.0)
     return (np.arange(len(mesh.vertices)) if detail is None else detail.kept), simple.faces
+
+
+def _loops(mesh: Mesh, surface: Surface | None) -> list[np.ndarray]:
+    if surface is None:  # a result that was loaded
+        main = main_piece(mesh)
+        return [vertices_numbered(mesh, main.vertex_ids[loop]) for loop in handle_loops(main)]
+    numbers = vertices_numbered(mesh, surface.loops) if len(surface.loops) else surface.loops
+    return np.split(numbers, np.cumsum(surface.loop_sizes)[:-1]) if len(numbers) else []
 
 
 def name_of(info: dict[str, Any]) -> str:
@@ -122,7 +135,14 @@ def _side(side: Side, name: str) -> dict[str, Any]:
         "positions": packing.quantised(side.vertices[side.kept]),
         "wide": wide,
         "triangles": packing.packed(side.faces, "<u4" if wide else "<u2"),
+        **({"loops": packing.packed(_segments(side), "<f4")} if side.loops else {}),
     }
+
+
+def _segments(side: Side) -> np.ndarray:
+    """Both ends (s, 2, 3) of all edges of loops."""
+    edges = np.concatenate([np.stack([loop, np.roll(loop, -1)], axis=1) for loop in side.loops])
+    return side.vertices[edges]
 
 
 def _alignment(matches: Correspondence | Alternative, name: str, note: str, sides: list[Side]) -> dict[str, Any]:
