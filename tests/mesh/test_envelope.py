@@ -7,8 +7,8 @@ import mobius_match as mm
 from mobius_match.geometry.points import SurfacePoints
 from mobius_match.mesh import Mesh, repair
 from mobius_match.mesh import topology as tp
-from mobius_match.mesh.envelope import _points_on, envelopes, is_wild
-from mobius_match.mesh.handles import number_of_handles
+from mobius_match.mesh.envelope import _points_on, envelopes
+from mobius_match.mesh.handles import is_wild, number_of_handles
 from mobius_match.mesh.parameters import EnvelopeParameters
 from tests.shapes import icosphere, lump, rotation, torus
 

@@ -14,7 +14,7 @@ import numpy as np
 from scipy.ndimage import distance_transform_edt, label
 
 from .._core.display import one_line
-from .handles import number_of_handles
+from .handles import is_wild, number_of_handles
 from .measure import areas, box_scale, unit_box
 from .mesh import Floats, Ints, Mesh
 from .parameters import EnvelopeParameters
@@ -26,11 +26,6 @@ MOST_CELLS = 4_000_000
 
 BLOCK = 1_000_000
 """Sample points that are made at a time."""
-
-
-def is_wild(mesh: Mesh, parameters: EnvelopeParameters = EnvelopeParameters()) -> bool:
-    """Whether a repaired mesh in one piece has so many handles that an envelope stands for it."""
-    return number_of_handles(mesh.faces) > parameters.most_handles
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,8 +8,6 @@ from typing import Any
 import numpy as np
 
 from ..errors import MeshError, TopologyError
-from .envelope import is_wild
-from .handles import handle_loops, loop_lengths, number_of_handles
 from .measure import areas, box_scale, cross_products, twins, unit_box
 from .mesh import Ints, Mesh
 from .pieces import MIN_FACES, MIN_VERTICES, joined, main_piece, pieces_of, unreached_vertices
@@ -89,6 +87,8 @@ def describe(mesh: Mesh) -> dict[str, Any]:
         ``usable`` is whether the mesh can be matched, ``reason`` why not (None if it can). Lengths and areas are in the
         user's units; undefined ones are None.
     """
+    from .handles import is_wild, number_of_handles  # compiled
+
     repaired = main_piece(repair(mesh))
     reason, handles, notes = None, list[dict[str, Any]](), list(repaired.notes)
     try:
@@ -172,6 +172,8 @@ def _shape(mesh: Mesh) -> dict[str, Any]:
 
 def _handles(mesh: Mesh) -> list[dict[str, Any]]:
     """The loops around the handles of a mesh that can be matched."""
+    from .handles import handle_loops, loop_lengths
+
     loops, scale = handle_loops(mesh), box_scale(mesh.vertices)
     return [
         {

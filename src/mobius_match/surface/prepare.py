@@ -17,9 +17,9 @@ from ..geometry.geodesics import geodesic_solver, heat_solver, nearest_centres
 from ..geometry.laplacian import intrinsic_mesh
 from ..geometry.spectral import eigenbasis, wave_kernel_signature
 from ..mesh import Mesh
-from ..mesh.envelope import Envelope, envelopes, is_wild
+from ..mesh.envelope import Envelope, envelopes
 from ..mesh.files import as_mesh
-from ..mesh.handles import cut_faces, handle_loops
+from ..mesh.handles import cut_faces, handle_loops, is_wild
 from ..mesh.pieces import main_piece
 from ..mesh.repair import repair
 from ..mesh.report import require_matchable
