@@ -82,8 +82,9 @@ def handle_loops(mesh: Mesh) -> list[Ints]:
                 "edges without cutting it in two. Use a finer mesh."
             )
         loops += [origin[loop] for loop in found]
-        faces, more = cut_faces(faces, found)
-        origin = origin[more]
+        if len(loops) < number:
+            faces, more = cut_faces(faces, found)
+            origin = origin[more]
     return loops
 
 
