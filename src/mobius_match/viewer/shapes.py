@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from ..mesh import Mesh
     from ..results.correspondence import Correspondence
     from ..results.matches import Alternative
+    from ..results.surface_map import SurfaceMap
     from ..surface.surface import Surface
 
 MAX_VERTICES = 30_000
@@ -67,18 +68,24 @@ class Side:
         return len(self.kept) == len(self.mesh.vertices)
 
 
-def sides_of(result: Correspondence) -> tuple[list[Side], float]:
+def sides_of(result: Correspondence, dense: SurfaceMap | None) -> tuple[list[Side], float]:
     """Both sides, and the radius of the sphere of a match with confidence 1."""
     surfaces, infos = (result.source, result.target), (result.source_info, result.target_info)
     meshes = [mesh_of(surface, info) for surface, info in zip(surfaces, infos, strict=True)]
+    loops = [_loops(mesh, surface) for mesh, surface in zip(meshes, surfaces, strict=True)]
+    if dense is not None and None in surfaces:  # only the map of a loaded result knows which handles were cut open
+        maps = dense.source, dense.target
+        meshes = [other if other.sha256 == mesh.sha256 else mesh for mesh, other in zip(meshes, maps, strict=True)]
     shapes = [shape_of(mesh, numbers) for mesh, numbers in zip(meshes, result.pairs.T, strict=True)]
     centred = [shape.vertices - (shape.vertices.min(axis=0) + shape.vertices.max(axis=0)) / 2 for shape in shapes]
     # Both at the same scale (equal areas look equal), unless that would make one of them tiny.
     fits = [1 / np.linalg.norm(vertices, axis=1).max() for vertices in centred]
     scales = [max(min(fits), fit / 1.5) for fit in fits]
     sides = [
-        Side(mesh, shape, vertices * scale, *_drawn(mesh, surface), _loops(mesh, surface))
-        for mesh, shape, vertices, scale, surface in zip(meshes, shapes, centred, scales, surfaces, strict=True)
+        Side(mesh, shape, vertices * scale, *_drawn(mesh, surface), [vertices_numbered(mesh, loop) for loop in of_side])
+        for mesh, shape, vertices, scale, surface, of_side in zip(
+            meshes, shapes, centred, scales, surfaces, loops, strict=True
+        )
     ]
     return sides, 0.8 * RADIUS * min(scales) * float(np.sqrt(FEW / max(len(result), FEW)))
 
@@ -93,11 +100,11 @@ def _drawn(mesh: Mesh, surface: Surface | None) -> tuple[np.ndarray, np.ndarray]
 
 
 def _loops(mesh: Mesh, surface: Surface | None) -> list[np.ndarray]:
+    """The user's numbers of the vertices along each loop around a handle."""
     if surface is None:  # a result that was loaded
         main = main_piece(mesh)
-        return [vertices_numbered(mesh, main.vertex_ids[loop]) for loop in handle_loops(main)]
-    numbers = vertices_numbered(mesh, surface.loops) if len(surface.loops) else surface.loops
-    return np.split(numbers, np.cumsum(surface.loop_sizes)[:-1]) if len(numbers) else []
+        return [main.vertex_ids[loop] for loop in handle_loops(main)]
+    return np.split(surface.loops, np.cumsum(surface.loop_sizes)[:-1]) if len(surface.loops) else []
 
 
 def name_of(info: dict[str, Any]) -> str:
