@@ -198,6 +198,17 @@ class MatchSettings(PrepareSettings):
             return min(max(wanted, PAPER_VOTES_RANGE[0]), PAPER_VOTES_RANGE[1])
         return 20_000
 
+    def of_matching(self) -> dict[str, Any]:
+        """The settings that are not those of the preparation.
+
+        Returns
+        -------
+        dict
+            The values by name.
+        """
+        preparation = {one.name for one in fields(PrepareSettings)}
+        return {name: value for name, value in asdict(self).items() if name not in preparation}
+
     def to_dict(self) -> dict[str, Any]:
         """All settings as JSON-able values.
 

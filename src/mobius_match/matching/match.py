@@ -22,7 +22,7 @@ from ..results.correspondence import Correspondence
 from ..results.matches import Alternative
 from ..results.surface_map import SurfaceMap
 from ..settings import MatchOptions, MatchSettings, Preset, make_settings
-from ..surface.prepare import begin_preparation, complete_preparation
+from ..surface.prepare import begin_preparation, complete_preparation, prepare_mesh
 from ..surface.prepared import check_effective, settings_used
 from ..surface.surface import Surface
 from ..voting.votes import Votes, cast_votes
@@ -30,7 +30,9 @@ from .parameters import Parameters
 from .partial.coverage import Coverage
 from .partial.matches import boundary_length
 from .partial.part import PartMatch, coverage_of_pair, match_part
-from .pieces.riding import with_other_pieces
+from .pieces.main_pair import choose_main_pair
+from .pieces.search import PieceSearch
+from .pieces.whole import of_whole, with_all_pieces
 from .reading import aligned_matches, dense_map_of_part, dense_map_of_whole, part_matches, voted_matches
 
 
@@ -101,6 +103,20 @@ def match(
     clock = Stopwatch()
     first, second = _prepared((source, target), chosen, settings, preset, cache, progress, parameters, clock)
     chosen, target_preparation, of_preparation = settings_used(chosen, first.settings, second.settings)
+    guided = chosen.proposal == "guided"
+    search = PieceSearch(
+        match=lambda one, two: match(one, two, parameters=parameters, **chosen.of_matching()),
+        prepare=lambda mesh, preparation: prepare_mesh(mesh, preparation, parameters=parameters.surface),
+        settings=(first.settings, second.settings),
+        every=False,
+        parameters=parameters.pieces,
+        alignment=parameters.alignment,
+        controls=parameters.surface.proxy_size,
+    )
+    if guided and landmarks is None:
+        first, second, of_main, known, of_pieces = choose_main_pair(first, second, search)
+        if of_main is not None:
+            return with_all_pieces(of_whole(of_main, first, second, of_pieces), known, search, pair=True)
     constraints, of_landmarks = None, list[str]()
     if landmarks is not None:
         constraints, of_landmarks = landmark_constraints(landmarks, first, second, parameters.alignment.landmarks)
@@ -119,7 +135,7 @@ def match(
         )
     clock.lap("matches")
     given = {} if constraints is None else {"landmarks": constraints.pairs.tolist()}
-    return Correspondence(
+    result = Correspondence(
         **matches,
         source_info=first.info,
         target_info=second.info,
@@ -153,6 +169,7 @@ def match(
         target=second,
         votes=outcome.votes,
     )
+    return with_all_pieces(result, [], search, pair=guided)
 
 
 def _prepared(
@@ -271,7 +288,7 @@ def _dense_map(
     parameters: Parameters,
     constraints: LandmarkConstraints | None,
 ) -> SurfaceMap:
-    """The dense map of the chosen alignment, through the landmarks, and of all pieces."""
+    """The dense map of the chosen alignment, through the landmarks."""
     with threadpool_limits(limits=1, user_api="blas"):
         if outcome.part is not None:
             dense = dense_map_of_part(outcome.part, parameters)
@@ -279,9 +296,7 @@ def _dense_map(
             dense = dense_map_of_whole(
                 source, target, outcome.votes, outcome.alignments, settings, parameters, constraints
             )
-    if constraints is not None:
-        dense = dense.with_pairs(*constraints.whole_vertices)
-    return with_other_pieces(dense, [], parameters.pieces, parameters.surface.proxy_size)
+    return dense if constraints is None else dense.with_pairs(*constraints.whole_vertices)
 
 
 def _alternatives(

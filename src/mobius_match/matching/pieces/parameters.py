@@ -11,6 +11,24 @@ from ..._core.parameters import HAND, parameter
 class PiecesParameters:
     """Constants of :mod:`mobius_match.matching.pieces`."""
 
+    large: float = parameter(
+        0.5, "share of the largest piece's area from which a piece might be the main one as well", origin=HAND
+    )
+    most_large: int = parameter(3, "pieces of a shape that might be the main one, at most", origin="nine matches")
+    arrangement_points: int = parameter(
+        200, "points of each piece at which an arrangement is compared", origin="more give the same error"
+    )
+    own: float = parameter(
+        0.2, "share of the main piece's area from which another piece is matched by the whole method", origin=HAND
+    )
+    alike: float = parameter(
+        1.0,
+        "largest cost of two pieces that belong together: displaced by their own size, or e times as large",
+        origin="one unit of each term of the cost",
+    )
+    most_partners: int = parameter(
+        200, "pieces of a shape for which partners are looked for, the largest", origin="some seconds"
+    )
     solid: float = parameter(
         0.1,
         "mean deviation from a similar copy, as a fraction of its size, up to which a piece that is carried along "

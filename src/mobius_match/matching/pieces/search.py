@@ -1,0 +1,90 @@
+"""What matching pieces needs: how to match two of them, pairs of pieces, and the cost of their maps."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..._core.display import one_line
+from ...alignments.cost import cost_terms, total_cost
+from ...alignments.parameters import AlignmentParameters, CostParameters
+from ...mesh import Mesh
+from ...results.correspondence import Correspondence
+from ...results.surface_map import SurfaceMap
+from ...settings import PrepareSettings
+from ...surface.surface import Surface
+from .parameters import PiecesParameters
+
+Matcher = Callable[[Surface, Surface], Correspondence]
+"""Matches two surfaces of one piece each."""
+
+Preparer = Callable[[Mesh, PrepareSettings], Surface]
+"""Prepares a mesh that can be matched."""
+
+
+@dataclass(frozen=True)
+class PieceSearch:
+    """What is needed to match pieces, beside the shapes.
+
+    Parameters
+    ----------
+    match, prepare
+        Match two surfaces of one piece, and prepare one.
+    settings
+        The settings of the preparation of source and target.
+    every
+        Whether every piece that is fine enough is matched by the whole method, and not the large ones alone.
+    parameters, alignment
+        The constants.
+    controls
+        As in :func:`.riding.map_of_all_pieces`.
+    """
+
+    match: Matcher
+    prepare: Preparer
+    settings: tuple[PrepareSettings, PrepareSettings]
+    every: bool
+    parameters: PiecesParameters
+    alignment: AlignmentParameters
+    controls: int
+
+
+@dataclass(frozen=True, eq=False)
+class PiecePair:
+    """Two pieces that are matched with each other.
+
+    Parameters
+    ----------
+    source, target
+        Numbers of the two pieces.
+    result
+        Their match; None where they are too small for one, or have none.
+    dense
+        Their dense map.
+    """
+
+    source: int
+    target: int
+    result: Correspondence | None
+    dense: SurfaceMap
+
+    def __repr__(self) -> str:
+        return one_line(self)
+
+
+def proxy_image(source: Surface, target: Surface, dense: SurfaceMap) -> np.ndarray:
+    """The target vertex (P,) of each vertex of the source's proxy, by the dense map of the two surfaces."""
+    images = dense.target_points.nearest
+    if source.detail is not None:
+        images = images[source.detail.kept]
+    if target.detail is not None:
+        images = target.detail.places(target.mesh).nearest[images]
+    return np.asarray(images[source.proxy])
+
+
+def map_cost(source: Surface, target: Surface, dense: SurfaceMap, parameters: CostParameters) -> float:
+    """The cost of the dense map of two surfaces, by the images of the source's proxy."""
+    image = target.nearest_proxy[proxy_image(source, target, dense)]
+    return total_cost(cost_terms(source, target, image, parameters), parameters.weights)
