@@ -14,6 +14,9 @@ from ...results.surface_map import SurfaceMap
 ROUNDS = 40
 """Largest number of rounds of closest points; they end when no more pairs change."""
 
+NEARER = 0.05
+"""Weight of the distance from where a piece was carried, against the distance that is left between the two pieces."""
+
 
 def laid_on(source: Mesh, target: Mesh, start: np.ndarray, normal: float) -> tuple[SurfaceMap, float]:
     """The map that lays one piece onto another one, from where it has been carried.
@@ -37,10 +40,13 @@ def laid_on(source: Mesh, target: Mesh, start: np.ndarray, normal: float) -> tup
     size = size_of(target.vertices)
     there, normals = target.vertices / size, vertex_normals(target.vertices / size, target.faces)
     rest = source.vertices / size_of(source.vertices)
-    best, least = start, np.inf
-    # Carried as it is, and moved to the middle of the target: what was carried far may be off by more than its size.
-    for begin in (start / size, start / size - (start / size).mean(axis=0) + there.mean(axis=0)):
+    carried = start / size
+    best, least = carried, np.inf
+    # Carried as it is; and in the middle of the target, its principal axes along the target's: what was carried far
+    # may be off by more than its size, and turned. Of two that fit, the one nearer to where it was carried is taken.
+    for begin in (carried, *_along_axes(rest, there)):
         positions, error = _closest_copy(rest, source.faces, begin, there, normals, normal)
+        error += NEARER * float(np.linalg.norm(positions - carried, axis=1).mean())
         if error < least:
             best, least = positions, error
     own_normals = vertex_normals(best, source.faces)
@@ -50,6 +56,19 @@ def laid_on(source: Mesh, target: Mesh, start: np.ndarray, normal: float) -> tup
     back_points = closest_points(best, source.faces, there, back)
     dense = SurfaceMap(source, target, points, back_points, np.ones(len(best), bool), np.ones(len(there), bool))
     return dense, least
+
+
+def _along_axes(rest: np.ndarray, there: np.ndarray) -> list[np.ndarray]:
+    """The four turns of points (n, 3) without reflection that bring their principal axes to those of others (n2, 3)."""
+    middle = there.mean(axis=0)
+    here, axes = (np.linalg.svd(points - points.mean(axis=0), full_matrices=False)[2] for points in (rest, there))
+    signs = np.array([(1, 1), (1, -1), (-1, 1), (-1, -1)])
+    found = []
+    for first, second in signs:
+        third = first * second * np.linalg.det(here) * np.linalg.det(axes)
+        turn = here.T @ (np.array([first, second, third])[:, None] * axes)
+        found.append((rest - rest.mean(axis=0)) @ turn + middle)
+    return found
 
 
 def size_of(points: np.ndarray) -> float:

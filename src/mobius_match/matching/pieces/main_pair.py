@@ -87,7 +87,7 @@ def choose_main_pair(
         for surface, side, number in zip(surfaces, sides, (main.source, main.target), strict=True)
     ]
     notes = [
-        f"{side.whole.name}: its piece of {side.pieces.sizes[number, 0]} vertices is the main one, as it suits the other "
+        f"{side.whole.name}: the main piece is that of {side.pieces.sizes[number, 0]} vertices, which suits the other "
         "shape best"
         for side, number in zip(sides, (main.source, main.target), strict=True)
         if side.main != number

@@ -23,7 +23,7 @@ class PiecesParameters:
     )
     alike: float = parameter(
         1.0,
-        "largest cost of two pieces that belong together: displaced by their own size, or e times as large",
+        "largest cost of two pieces that belong together: turned to the other side, or e times as large",
         origin="one unit of each term of the cost",
     )
     most_partners: int = parameter(

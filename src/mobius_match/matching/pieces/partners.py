@@ -17,6 +17,10 @@ from .riding import PieceMap, map_of_all_pieces
 from .search import PiecePair, PieceSearch, map_cost, proxy_image
 from .sides import Side
 
+TURNED = 4.0
+"""Sizes by which a piece is displaced if it is turned to the other side of its end: twice its length, which is about
+twice its root mean square radius."""
+
 
 def piece_map(pair: PiecePair, source: Side, target: Side) -> PieceMap:
     """The map of two pieces within the meshes of all pieces."""
@@ -28,9 +32,8 @@ def find_partners(
 ) -> list[PiecePair]:
     """Pairs of pieces, besides the main ones, that belong together.
 
-    In rounds: what is not matched yet is carried along with what is, pieces are assigned to each other, and of the
-    pairs below the largest cost the quarter nearest to what is matched is matched. So a comb follows a head once the
-    head has been found.
+    In rounds: what is not matched yet is carried along with what is, pieces are assigned to each other, and the surest
+    quarter of the pairs below the largest cost is matched. So a comb follows a head once the head has been found.
 
     Parameters
     ----------
@@ -60,10 +63,8 @@ def find_partners(
         alike = costs[rows, columns] <= parameters.alike
         if not alike.any():
             break
-        chosen = [(left[0][row], left[1][column]) for row, column in zip(rows[alike], columns[alike], strict=True)]
-        matched = cKDTree(source.whole.vertices[np.isin(source.pieces.vertices, [pair.source for pair in pairs])])
-        gaps = [matched.query(comparison.points[0][i])[0].min() for i, _ in chosen]
-        found = [chosen[k] for k in np.argsort(gaps, kind="stable")[: -(-len(chosen) // 4)]]
+        surest = np.argsort(-_margins(costs, rows, columns)[alike], kind="stable")[: -(-int(alike.sum()) // 4)]
+        found = [(left[0][rows[alike][k]], left[1][columns[alike][k]]) for k in surest]
         pairs += [_matched(source, target, i, j, carried[source.rows(i)[0]], search) for i, j in found]
         left = [[k for k in numbers if k not in {pair[side] for pair in found}] for side, numbers in enumerate(left)]
     return pairs[1:]
@@ -98,8 +99,9 @@ class Comparison:
     def cost(self, i: int, j: int, carried: np.ndarray, most: float) -> float:
         """The cost of piece i of the source as piece j of the target: 0 for one that is alike and in its place.
 
-        The mean distance between the carried piece and the other one, over the latter's size; and the logarithms of
-        the ratios of sqrt(area) and of the extents along the principal axes. At most twice ``most``, and inexact there.
+        The mean distance between the carried piece and the other one, over the largest that a turn can make; and the
+        logarithms of the ratios of sqrt(area) and of the extents along the principal axes. At most twice ``most``, and
+        inexact there.
         """
         extents = [extent[k] for extent, k in zip(self.extents, (i, j), strict=True)]
         # A sheet has no thickness.
@@ -111,12 +113,20 @@ class Comparison:
             return 2 * most
         points = self.points[1][j]
         distance = self.trees[j].query(positions)[0].mean() + cKDTree(positions).query(points)[0].mean()
-        return float(min(shape + distance / 2 / size_of(points), 2 * most))
+        return float(min(shape + distance / 2 / size_of(points) / TURNED, 2 * most))
 
 
 def _extents(points: np.ndarray) -> np.ndarray:
     """Root mean square extents (3,) along the principal axes, the largest first."""
     return np.linalg.svd(points - points.mean(axis=0), compute_uv=False)[:3] / np.sqrt(len(points))
+
+
+def _margins(costs: np.ndarray, rows: np.ndarray, columns: np.ndarray) -> np.ndarray:
+    """By how much each chosen entry (p,) is below all others of its row and of its column."""
+    others = costs.copy()
+    others[rows, columns] = np.inf
+    nearest = np.minimum(others.min(axis=1)[rows], others.min(axis=0)[columns])
+    return np.minimum(nearest, costs.max()) - costs[rows, columns]
 
 
 def _candidates(side: Side, taken: set[int], parameters: PiecesParameters) -> list[int]:
