@@ -35,6 +35,7 @@ def test_a_unit_cube():
         "consistently_oriented": True,
         "euler_characteristic": 2,
         "genus": 0,
+        "handle_places": [],
         "boundary_loops": {"count": 0, "lengths": []},
         "closed": True,
         "orientable": True,
@@ -102,3 +103,16 @@ def test_nothing_to_describe():
         info = json.loads(json.dumps(describe(mesh), allow_nan=False))
         assert not info["usable"] and info["quality"] is None and info["edge_length"]["max"] is None
         assert "too few" in info["reason"]
+
+
+def test_handles_have_their_place_and_length(shapes):
+    """The thin circle of a torus, of 8 edges in a circle of radius 1; in the numbers of a file with unused vertices."""
+    vertices, faces = shapes.torus(shift=1.0)
+    info = json.loads(json.dumps(describe(Mesh(np.concatenate([np.zeros((5, 3)), 100 * vertices]), faces + 5))))
+    (handle,) = info["handle_places"]
+    assert sorted(handle) == ["length", "place", "vertices"]
+    assert handle["length"] == pytest.approx(1600 * np.sin(np.pi / 8))
+    loop = np.array(handle["vertices"]) - 5
+    assert len(loop) == 8
+    assert np.linalg.norm(np.array(handle["place"]) - [100, 0, 0]) == pytest.approx(200)
+    np.testing.assert_allclose(handle["place"], 100 * vertices[loop].mean(axis=0), atol=1e-9)

@@ -94,3 +94,11 @@ def test_prepared_surfaces_have_the_disc_if_they_are_open(tmp_path):
     assert flat.rim_length == pytest.approx(2 * np.sqrt(np.pi), rel=0.01)
     flat.save(tmp_path / "disc.npz")
     np.testing.assert_array_equal(Surface.load(tmp_path / "disc.npz").disc, flat.disc)
+
+
+def test_a_missing_triangle_is_closed_by_the_triangle():
+    """An equilateral hole of three edges, whose cone with round spokes would be no triangles."""
+    arrays = bent(grid(16, 13))
+    hole = int(np.argmin(np.linalg.norm(arrays[0][arrays[1]].mean(axis=1) - arrays[0].mean(axis=0), axis=1)))
+    found, whole = onto(places((arrays[0], np.delete(arrays[1], hole, axis=0))), places(arrays))
+    assert np.abs(found - whole).max() < 0.02

@@ -96,9 +96,12 @@ def _shown(value: Any) -> str:
         return "yes" if value else "no"
     if isinstance(value, float):
         return f"{value:.5g}"
-    if isinstance(value, dict):  # a vertex, or an edge by its two ends, and where it lies
-        numbers = value.get("vertices", [value.get("vertex")])
-        return f"{'-'.join(map(str, numbers))} ({', '.join(map(_shown, value['place']))})"
+    if isinstance(value, dict):  # a vertex, an edge by its two ends, or a loop by its first vertex, and where it lies
+        numbers, length = value.get("vertices", [value.get("vertex")]), value.get("length")
+        place = ", ".join(map(_shown, value["place"]))
+        if length is not None:
+            return f"{numbers[0]} ({place}; length {_shown(length)})"
+        return f"{'-'.join(map(str, numbers))} ({place})"
     if isinstance(value, list):
         rest = ["..."] if len(value) > LONGEST_LIST else []
         return ", ".join([*map(_shown, value[:LONGEST_LIST]), *rest]) or "-"

@@ -22,17 +22,18 @@ from ..results.correspondence import Correspondence
 from ..results.matches import Alternative
 from ..results.surface_map import SurfaceMap
 from ..settings import MatchOptions, MatchSettings, Preset, make_settings
-from ..surface.prepare import begin_preparation, complete_preparation, prepare_mesh
+from ..surface.prepare import begin_preparation, complete_preparation
 from ..surface.prepared import check_effective, settings_used
 from ..surface.surface import Surface
 from ..voting.votes import Votes, cast_votes
+from .handles import best_reading
 from .parameters import Parameters
 from .partial.coverage import Coverage
 from .partial.matches import boundary_length
 from .partial.part import PartMatch, coverage_of_pair, match_part
 from .pieces.main_pair import choose_main_pair
 from .pieces.search import PieceSearch
-from .pieces.whole import of_whole, with_all_pieces
+from .pieces.whole import with_all_pieces
 from .reading import aligned_matches, dense_map_of_part, dense_map_of_whole, part_matches, voted_matches
 
 
@@ -103,29 +104,28 @@ def match(
     clock = Stopwatch()
     first, second = _prepared((source, target), chosen, settings, preset, cache, progress, parameters, clock)
     chosen, target_preparation, of_preparation = settings_used(chosen, first.settings, second.settings)
-    guided = chosen.proposal == "guided"
+    stages = parameters.surface, parameters.alignment, parameters.pieces
     search = PieceSearch(
-        match=lambda one, two: match(one, two, parameters=parameters, **chosen.of_matching()),
-        prepare=lambda mesh, preparation: prepare_mesh(mesh, preparation, parameters=parameters.surface),
-        settings=(first.settings, second.settings),
-        every=False,
-        parameters=parameters.pieces,
-        alignment=parameters.alignment,
-        controls=parameters.surface.proxy_size,
+        lambda one, two: match(one, two, parameters=parameters, **chosen.of_matching()), chosen, *stages
     )
-    if guided and landmarks is None:
-        first, second, of_main, known, of_pieces = choose_main_pair(first, second, search)
-        if of_main is not None:
-            return with_all_pieces(of_whole(of_main, first, second, of_pieces), known, search, pair=True)
-    constraints, of_landmarks = None, list[str]()
-    if landmarks is not None:
-        constraints, of_landmarks = landmark_constraints(landmarks, first, second, parameters.alignment.landmarks)
-    votes = cast_votes(first, second, chosen, progress, parameters=parameters.alignment.voting)
-    clock.lap("voting")
-    # One BLAS thread: sums must not depend on the number of processors.
-    with threadpool_limits(limits=1, user_api="blas"):
-        outcome = align(first, second, votes, chosen, parameters, constraints)
+    if landmarks is None and (of_main := choose_main_pair(first, second, search)) is not None:
+        return with_all_pieces(*of_main, search)
+
+    def explain(one: Surface, two: Surface) -> tuple[list[Alignment], _Explained]:
+        constraints, of_landmarks = None, list[str]()
+        if landmarks is not None:
+            constraints, of_landmarks = landmark_constraints(landmarks, one, two, parameters.alignment.landmarks)
+        votes = cast_votes(one, two, chosen, progress, parameters=parameters.alignment.voting)
+        clock.lap("voting")
+        # One BLAS thread: sums must not depend on the number of processors.
+        with threadpool_limits(limits=1, user_api="blas"):
+            outcome = align(one, two, votes, chosen, parameters, constraints)
         clock.lap("alignments")
+        return outcome.alignments, (outcome, constraints, of_landmarks)
+
+    first, second, explained, of_handles = best_reading(first, second, explain, parameters)
+    outcome, constraints, of_landmarks = explained
+    with threadpool_limits(limits=1, user_api="blas"):
         matches = read_matches(first, second, outcome, chosen, parameters)
         matches = with_given_pairs(matches, constraints, second)
     if not len(matches["pairs"]):
@@ -161,6 +161,7 @@ def match(
             *outcome.votes.warnings,
             *outcome.notes,
             *of_landmarks,
+            *of_handles,
             *ambiguity_warnings(outcome.alignments, parameters.alignment),
         ),
         _make_alternatives=partial(_alternatives, first, second, outcome, chosen, parameters),
@@ -169,7 +170,10 @@ def match(
         target=second,
         votes=outcome.votes,
     )
-    return with_all_pieces(result, [], search, pair=guided)
+    return with_all_pieces(result, [], search)
+
+
+_Explained = tuple["Outcome", LandmarkConstraints | None, list[str]]
 
 
 def _prepared(

@@ -81,15 +81,22 @@ def describe(mesh: Mesh) -> dict[str, Any]:
     -------
     dict
         ``nonmanifold_edge_places`` and ``nonmanifold_vertex_places`` have the user's vertex numbers, coordinates (of an
-        edge its middle) and number of faces; ``unreached_vertices`` lists the vertices of the file that are on no face
-        after repair, and so in no map; ``notes`` lists the changes made on reading and repair; ``usable`` is whether
-        the mesh can be matched, ``reason`` why not (None if it can). Lengths and areas are in the user's units;
-        undefined ones are None.
+        edge its middle) and number of faces; ``handle_places`` has for each handle the user's vertex numbers along the
+        loop where it can be cut, its middle and its length; ``unreached_vertices`` lists the vertices of the file that
+        are on no face after repair, and so in no map; ``notes`` lists the changes made on reading and repair;
+        ``usable`` is whether the mesh can be matched, ``reason`` why not (None if it can). Lengths and areas are in the
+        user's units; undefined ones are None.
     """
+    from .handles import is_wild, number_of_handles  # compiled
+
     repaired = main_piece(repair(mesh))
-    reason = None
+    reason, handles, notes = None, list[dict[str, Any]](), list(repaired.notes)
     try:
         require_matchable(repaired)
+        if is_wild(repaired):
+            notes.append(f"{number_of_handles(repaired.faces)} handles; an envelope will stand for the surface.")
+        else:
+            handles = _handles(repaired)
     except MeshError as error:
         reason = str(error)
     return {
@@ -101,11 +108,12 @@ def describe(mesh: Mesh) -> dict[str, Any]:
         "file_faces": mesh.n_file_faces,
         **_defects(mesh),
         **_shape(repaired),
+        "handle_places": handles,
         **_sizes(mesh),
         "quality": _quality(repaired),
         "pieces": _pieces(repaired),
         "unreached_vertices": unreached_vertices(repaired).tolist(),
-        "notes": list(repaired.notes),
+        "notes": notes,
         "usable": reason is None,
         "reason": reason,
     }
@@ -160,6 +168,21 @@ def _shape(mesh: Mesh) -> dict[str, Any]:
         "closed": bool(len(faces)) and not len(loops),
         "orientable": not sides(faces, table)[2].any(),
     }
+
+
+def _handles(mesh: Mesh) -> list[dict[str, Any]]:
+    """The loops around the handles of a mesh that can be matched."""
+    from .handles import handle_loops, loop_lengths
+
+    loops, scale = handle_loops(mesh), box_scale(mesh.vertices)
+    return [
+        {
+            "vertices": mesh.vertex_ids[loop].tolist(),
+            "place": mesh.vertices[loop].mean(axis=0).tolist(),
+            "length": _finite(length, scale),
+        }
+        for loop, length in zip(loops, loop_lengths(unit_box(mesh.vertices), loops).tolist(), strict=True)
+    ]
 
 
 def _pieces(mesh: Mesh) -> list[dict[str, Any]]:

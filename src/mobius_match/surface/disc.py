@@ -62,7 +62,10 @@ def with_cones(mesh: IntrinsicMesh, corners: np.ndarray, loops: np.ndarray) -> I
     face, corner = corners // 3, corners % 3
     tail, head = mesh.faces[face, corner - 2], mesh.faces[face, corner - 1]
     lengths, (vertices, places) = mesh.lengths[face, corner], np.unique(tail, return_inverse=True)
-    spoke = np.bincount(loops, lengths)[loops] / (2 * np.pi)
+    # Few long edges need longer spokes: an equilateral triangle has its circumradius.
+    longest = np.zeros(loops.max() + 1)
+    np.maximum.at(longest, loops, lengths)
+    spoke = np.maximum(np.bincount(loops, lengths) / (2 * np.pi), longest / np.sqrt(3))[loops]
     of_tail, of_head = mesh.n_edges + places, mesh.n_edges + np.searchsorted(vertices, head)
     return IntrinsicMesh(
         np.concatenate([mesh.faces, np.stack([head, tail, mesh.n_vertices + loops - 1], axis=1)]),

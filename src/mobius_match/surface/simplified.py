@@ -1,10 +1,11 @@
-"""The user's own mesh beside the simplified one that is computed on, where the user's is large."""
+"""The user's own mesh beside another that is computed on: a simplified one, or an envelope."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from .._core.display import one_line
 from ..errors import MeshError
@@ -16,14 +17,14 @@ from ..mesh.simplify import simplify
 
 @dataclass(frozen=True, eq=False)
 class Detail:
-    """What a simplified mesh has left out.
+    """What a simplified mesh, or an envelope, has left out.
 
     Parameters
     ----------
     mesh
         The user's mesh, repaired.
     kept
-        (k,) int32: of each vertex of the simplified mesh the number in ``mesh``.
+        (k,) int32: of each vertex of the simplified mesh the number in ``mesh``; of an envelope's the closest one.
     faces, barycentric
         (n,) int32 and (n, 3) float32: for each vertex of ``mesh`` a face of the simplified one, and the place in it.
     """
@@ -85,3 +86,12 @@ def simplified(mesh: Mesh, count: int, ratio: float) -> tuple[Mesh, Detail | Non
         return mesh, None
     places = closest_points(unit[kept], faces, unit, home)
     return simple, Detail(mesh, kept.astype(np.int32), places.faces.astype(np.int32), places.barycentric.astype("f4"))
+
+
+def beside_envelope(simple: Mesh, mesh: Mesh) -> Detail:
+    """How the user's mesh lies on an envelope, or on what simplification and cuts have made of it."""
+    unit = unit_box(np.concatenate([mesh.vertices, simple.vertices]))
+    theirs, ours = unit[: len(mesh.vertices)], unit[len(mesh.vertices) :]
+    places = closest_points(ours, simple.faces, theirs, cKDTree(ours).query(theirs)[1])
+    kept = cKDTree(theirs).query(ours)[1]
+    return Detail(mesh, kept.astype(np.int32), places.faces.astype(np.int32), places.barycentric.astype("f4"))

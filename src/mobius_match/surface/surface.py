@@ -70,6 +70,13 @@ class Surface:
     loops, loop_sizes
         (l,) int64 vertices of the user's mesh along the loops around handles, one loop after the other, and (h,) int64
         how many each has; empty where there is no handle.
+    handles_kept
+        False if the mesh is cut open along all loops, as where parts of a body touch; True if handles are real, and
+        cut in the flattening alone.
+    envelope
+        Distance per sqrt(area) of the envelope that stands for the mesh from it; 0 where none does.
+    other
+        The same mesh prepared with its handles kept, or on a wider envelope, where that is possible as well; else None.
     area, diameter
         Area and (estimated) geodesic diameter, in units of the mesh.
     timings
@@ -99,6 +106,9 @@ class Surface:
     closure: float
     loops: np.ndarray
     loop_sizes: np.ndarray
+    handles_kept: bool
+    envelope: float
+    other: Surface | None
     area: float
     diameter: float
     timings: dict[str, float]
@@ -135,6 +145,11 @@ class Surface:
         return self.mesh if self.detail is None else self.detail.mesh
 
     @property
+    def readings(self) -> tuple[Surface, ...]:
+        """This surface, and the one with its handles kept, where both are possible."""
+        return (self,) if self.other is None else (self, self.other)
+
+    @property
     def info(self) -> dict[str, Any]:
         """Path, SHA-256, numbers of vertices and faces, area and diameter, as they stand in results.
 
@@ -169,9 +184,15 @@ class Surface:
         return self.normalized_distances @ self.cells / self.area
 
     @cached_property
+    def open_edges(self) -> np.ndarray:
+        """Edges (b, 2) of the boundary, without those along which handles were cut open: there nothing is missing."""
+        edges = boundary_edges(self.mesh.faces)
+        return edges[~np.isin(self.mesh.vertex_ids[edges], self.loops).all(axis=1)]
+
+    @cached_property
     def rim_length(self) -> float:
         """Length of the longest boundary loop per sqrt(area); 0 where the surface is closed."""
-        ends = boundary_edges(self.mesh.faces)
+        ends = self.open_edges
         if not len(ends):
             return 0.0
         lengths = np.linalg.norm(self.mesh.vertices[ends[:, 0]] - self.mesh.vertices[ends[:, 1]], axis=1)
@@ -236,7 +257,13 @@ class Surface:
         FormatError
             If the file cannot be read or is none of this version.
         """
-        return cls(**load_fields(path))
+        return cls._of(load_fields(path))
+
+    @classmethod
+    def _of(cls, found: dict[str, Any]) -> Surface:
+        """The surface with the fields of a file."""
+        other = found["other"]
+        return cls(**found | {"other": None if other is None else cls._of(other)})
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -9,7 +9,6 @@ import scipy.sparse as sp
 from ...geometry.interpolation import interpolate_nearby
 from ...geometry.nearest_neighbors import nearest_neighbors
 from ...geometry.points import SurfacePoints, closest_points
-from ...mesh.topology import boundary_edges
 from ...registration.features import oriented_points
 from ...registration.strain import edge_strain
 from ...surface.surface import Surface
@@ -19,16 +18,14 @@ from .parameters import PartialParameters
 
 
 def boundary_length(surface: Surface) -> float:
-    """Length of the boundary per sqrt(area); where a handle was cut open, nothing is missing."""
-    edges = boundary_edges(surface.mesh.faces)
-    edges = edges[~np.isin(surface.mesh.vertex_ids[edges], surface.loops).all(axis=1)]
-    ends = surface.mesh.vertices[edges]
+    """Length of the boundary per sqrt(area)."""
+    ends = surface.mesh.vertices[surface.open_edges]
     return float(np.linalg.norm(ends[:, 0] - ends[:, 1], axis=1).sum() / np.sqrt(surface.area))
 
 
 def distance_to_boundary(surface: Surface, points: np.ndarray) -> np.ndarray:
     """Distances (q,) in space, per the surface's scale, of points (q, 3) from its boundary, which must exist."""
-    boundary = surface.mesh.vertices[boundary_edges(surface.mesh.faces).ravel()]
+    boundary = surface.mesh.vertices[surface.open_edges.ravel()]
     return np.asarray(scipy.spatial.cKDTree(boundary).query(points)[0] / surface.scale)
 
 

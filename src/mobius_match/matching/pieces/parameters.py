@@ -14,10 +14,6 @@ class PiecesParameters:
     large: float = parameter(
         0.5, "share of the largest piece's area from which a piece might be the main one as well", origin=HAND
     )
-    most_large: int = parameter(3, "pieces of a shape that might be the main one, at most", origin="nine matches")
-    arrangement_points: int = parameter(
-        200, "points of each piece at which an arrangement is compared", origin="more give the same error"
-    )
     own: float = parameter(
         0.2, "share of the main piece's area from which another piece is matched by the whole method", origin=HAND
     )
@@ -25,9 +21,6 @@ class PiecesParameters:
         1.0,
         "largest cost of two pieces that belong together: turned to the other side, or e times as large",
         origin="one unit of each term of the cost",
-    )
-    most_partners: int = parameter(
-        200, "pieces of a shape for which partners are looked for, the largest", origin="some seconds"
     )
     solid: float = parameter(
         0.1,

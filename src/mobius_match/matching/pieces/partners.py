@@ -12,7 +12,6 @@ from ...errors import MobiusError
 from ...results.correspondence import Correspondence
 from ...results.surface_map import SurfaceMap
 from .copies import laid_on, size_of
-from .parameters import PiecesParameters
 from .riding import PieceMap, map_of_all_pieces
 from .search import PiecePair, PieceSearch, map_cost, proxy_image
 from .sides import Side
@@ -20,6 +19,10 @@ from .sides import Side
 TURNED = 4.0
 """Sizes by which a piece is displaced if it is turned to the other side of its end: twice its length, which is about
 twice its root mean square radius."""
+
+
+MOST_PARTNERS = 200
+"""Pieces of a shape for which partners are looked for, at most: the largest."""
 
 
 def piece_map(pair: PiecePair, source: Side, target: Side) -> PieceMap:
@@ -49,8 +52,8 @@ def find_partners(
     pairs = [PiecePair(source.main, target.main, None, main), *known]
     parameters = search.parameters
     left = [
-        _candidates(source, {pair.source for pair in pairs}, parameters),
-        _candidates(target, {pair.target for pair in pairs}, parameters),
+        _candidates(source, {pair.source for pair in pairs}),
+        _candidates(target, {pair.target for pair in pairs}),
     ]
     comparison = Comparison(source, target, *left)
     while all(left):
@@ -129,11 +132,11 @@ def _margins(costs: np.ndarray, rows: np.ndarray, columns: np.ndarray) -> np.nda
     return np.minimum(nearest, costs.max()) - costs[rows, columns]
 
 
-def _candidates(side: Side, taken: set[int], parameters: PiecesParameters) -> list[int]:
+def _candidates(side: Side, taken: set[int]) -> list[int]:
     """The pieces that are still to be matched, the largest first."""
     order = np.argsort(-side.pieces.areas, kind="stable")
     left = [int(k) for k in order if k not in taken and not side.pieces.cavities[k]]
-    return left[: parameters.most_partners]
+    return left[:MOST_PARTNERS]
 
 
 def _matched(source: Side, target: Side, i: int, j: int, carried: np.ndarray, search: PieceSearch) -> PiecePair:
@@ -146,9 +149,9 @@ def _matched(source: Side, target: Side, i: int, j: int, carried: np.ndarray, se
         for side, k in ((source, i), (target, j))
     )
     surfaces = [
-        search.prepare(mesh, settings)
-        for mesh, settings, side, k in zip(meshes, search.settings, (source, target), (i, j), strict=True)
-        if (large or search.every) and side.fine_enough(k)
+        search.prepare(mesh, side.settings)
+        for mesh, side, k in zip(meshes, (source, target), (i, j), strict=True)
+        if (large or search.settings.pieces == "all") and side.fine_enough(k)
     ]
     if len(surfaces) < 2:
         return PiecePair(i, j, None, copy)

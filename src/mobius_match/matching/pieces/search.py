@@ -10,18 +10,18 @@ import numpy as np
 from ..._core.display import one_line
 from ...alignments.cost import cost_terms, total_cost
 from ...alignments.parameters import AlignmentParameters, CostParameters
+from ...errors import SettingsError
 from ...mesh import Mesh
 from ...results.correspondence import Correspondence
 from ...results.surface_map import SurfaceMap
-from ...settings import PrepareSettings
+from ...settings import MatchSettings, PrepareSettings
+from ...surface.parameters import SurfaceParameters
+from ...surface.prepare import prepare_mesh
 from ...surface.surface import Surface
 from .parameters import PiecesParameters
 
 Matcher = Callable[[Surface, Surface], Correspondence]
 """Matches two surfaces of one piece each."""
-
-Preparer = Callable[[Mesh, PrepareSettings], Surface]
-"""Prepares a mesh that can be matched."""
 
 
 @dataclass(frozen=True)
@@ -30,25 +30,28 @@ class PieceSearch:
 
     Parameters
     ----------
-    match, prepare
-        Match two surfaces of one piece, and prepare one.
+    match
+        Matches two surfaces of one piece.
     settings
-        The settings of the preparation of source and target.
-    every
-        Whether every piece that is fine enough is matched by the whole method, and not the large ones alone.
-    parameters, alignment
+        The settings of the match.
+    surface, alignment, parameters
         The constants.
-    controls
-        As in :func:`.riding.map_of_all_pieces`.
     """
 
     match: Matcher
-    prepare: Preparer
-    settings: tuple[PrepareSettings, PrepareSettings]
-    every: bool
-    parameters: PiecesParameters
+    settings: MatchSettings
+    surface: SurfaceParameters
     alignment: AlignmentParameters
-    controls: int
+    parameters: PiecesParameters
+
+    @property
+    def controls(self) -> int:
+        """As in :func:`.riding.map_of_all_pieces`: as many as the proxy of a surface has."""
+        return self.surface.proxy_size
+
+    def prepare(self, mesh: Mesh, settings: PrepareSettings) -> Surface:
+        """The surface of one piece."""
+        return prepare_mesh(mesh, settings, parameters=self.surface)
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,6 +75,13 @@ class PiecePair:
 
     def __repr__(self) -> str:
         return one_line(self)
+
+
+def surfaces_of(result: Correspondence) -> tuple[Surface, Surface]:
+    """The two surfaces of a result that was just computed."""
+    if result.source is None or result.target is None:
+        raise SettingsError("a result that was loaded from a file holds no surfaces; match again")
+    return result.source, result.target
 
 
 def proxy_image(source: Surface, target: Surface, dense: SurfaceMap) -> np.ndarray:

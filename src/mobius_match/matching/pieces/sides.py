@@ -12,6 +12,8 @@ from ...errors import MeshError
 from ...mesh import Mesh
 from ...mesh.pieces import MIN_FACES, MIN_VERTICES, Pieces, joined, part_of_mesh, pieces_of
 from ...mesh.report import require_matchable
+from ...settings import PrepareSettings
+from ...surface.surface import Surface
 
 
 @dataclass(frozen=True, eq=False)
@@ -22,12 +24,20 @@ class Side:
     ----------
     mesh
         The main piece, with the others beside it.
+    settings
+        The settings that it was prepared with.
     """
 
     mesh: Mesh
+    settings: PrepareSettings
 
     def __repr__(self) -> str:
         return one_line(self)
+
+    @classmethod
+    def of(cls, surface: Surface) -> Side:
+        """The pieces of the shape that a surface is the main piece of."""
+        return cls(surface.whole_mesh, surface.settings)
 
     @cached_property
     def _joined(self) -> tuple[Mesh, tuple[np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray]]:
@@ -60,6 +70,11 @@ class Side:
     def part(self, piece: int) -> Mesh:
         """The mesh of one piece alone."""
         return part_of_mesh(self.whole, self.pieces.vertices == piece, self.pieces.faces == piece)
+
+    def without(self, piece: int) -> Mesh | None:
+        """The mesh of all pieces but one; None if there are no others."""
+        vertices = self.pieces.vertices != piece
+        return part_of_mesh(self.whole, vertices, self.pieces.faces != piece) if vertices.any() else None
 
     def fine_enough(self, piece: int) -> bool:
         """Whether a piece can be matched by itself."""

@@ -14,14 +14,13 @@ from ...mesh.mesh import count
 from ...mesh.pieces import pieces_of
 from ...results.correspondence import Correspondence
 from ...results.surface_map import SurfaceMap
-from ...surface.surface import Surface
 from .partners import find_partners, piece_map
 from .riding import PieceMap, map_of_all_pieces
-from .search import PiecePair, PieceSearch
+from .search import PiecePair, PieceSearch, surfaces_of
 from .sides import Side
 
 
-def with_all_pieces(result: Correspondence, known: list[PiecePair], search: PieceSearch, pair: bool) -> Correspondence:
+def with_all_pieces(result: Correspondence, known: list[PiecePair], search: PieceSearch) -> Correspondence:
     """A result in which the other pieces are matched too, where both shapes have them, or are carried along.
 
     Parameters
@@ -31,16 +30,15 @@ def with_all_pieces(result: Correspondence, known: list[PiecePair], search: Piec
     known
         Other pairs of pieces that are matched already.
     search
-        What the search for partners needs.
-    pair
-        Whether partners are looked for.
+        What the search for partners needs. With the paper's own votes, none are looked for.
     """
-    meshes = [surface.whole_mesh for surface in (result.source, result.target) if surface is not None]
-    if len(meshes) < 2 or all(mesh.others is None for mesh in meshes):
+    sides = [Side.of(surface) for surface in surfaces_of(result)]
+    others = [side.mesh.others is not None for side in sides]
+    if not any(others):
         return result
-    source, target = map(Side, meshes)
+    source, target = sides
     partners = list[PiecePair]()
-    if pair and all(mesh.others is not None for mesh in meshes):
+    if search.settings.proposal == "guided" and all(others):
         partners = find_partners(source, target, result.dense(), known, search)
     main = result.dense  # of the result without the others
 
@@ -53,21 +51,8 @@ def with_all_pieces(result: Correspondence, known: list[PiecePair], search: Piec
     return replace(
         result,
         **_merged([result, *(one.result for one in partners if one.result is not None)]),
-        warnings=(*result.warnings, *_notes(meshes, partners)),
+        warnings=(*result.warnings, *_notes([side.mesh for side in sides], partners)),
         _make_dense=dense,
-    )
-
-
-def of_whole(result: Correspondence, source: Surface, target: Surface, notes: list[str]) -> Correspondence:
-    """The match of two pieces as that of the shapes whose main pieces they are."""
-    return replace(
-        result,
-        source=source,
-        target=target,
-        source_info=source.info,
-        target_info=target.info,
-        warnings=(*result.warnings, *notes),
-        _make_dense=result.dense,
     )
 
 
