@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from scipy.optimize import linear_sum_assignment
 from scipy.spatial import cKDTree
@@ -20,6 +22,9 @@ TURNED = 4.0
 """Sizes by which a piece is displaced if it is turned to the other side of its end: twice its length, which is about
 twice its root mean square radius."""
 
+
+CLOSE = 0.05
+"""Error of a match, as a fraction of the target's diameter, that confidence is the probability of not exceeding."""
 
 MOST_PARTNERS = 200
 """Pieces of a shape for which partners are looked for, at most: the largest."""
@@ -175,5 +180,29 @@ def _matched(source: Side, target: Side, i: int, j: int, carried: np.ndarray, se
         place = float(away.mean()) / size if len(away) else np.inf
         return map_cost(first, second, dense, search.alignment.cost) + place
 
-    dense, result = min(found, key=lambda one: total(one[0]))
-    return PiecePair(i, j, result, dense)
+    dense = min((one for one, _ in found), key=total)
+    result = found[-1][1]
+    return PiecePair(i, j, None if result is None else _agreeing(result, dense), dense)
+
+
+def _agreeing(result: Correspondence, dense: SurfaceMap) -> Correspondence | None:
+    """The matches that a dense map of the same pieces confirms; None if there are none.
+
+    It does if they end within 5 % of the target's diameter, the error that their confidence is about.
+    """
+    rows = [np.zeros(mesh.n_file_vertices, np.int64) for mesh in (dense.source, dense.target)]
+    for row, mesh in zip(rows, (dense.source, dense.target), strict=True):
+        row[mesh.vertex_ids[::-1]] = np.arange(len(mesh.vertices))[::-1]
+    here, there = rows[0][result.pairs[:, 0]], rows[1][result.pairs[:, 1]]
+    away = np.linalg.norm(dense.positions[here] - dense.target.vertices[there], axis=1)
+    kept = np.flatnonzero(away <= CLOSE * result.target_info["diameter"])
+    if not len(kept):
+        return None
+    points = result.target_points
+    return replace(
+        result,
+        pairs=result.pairs[kept],
+        confidence=result.confidence[kept],
+        kind=result.kind[kept],
+        target_points=None if points is None else points[kept],
+    )
