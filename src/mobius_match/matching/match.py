@@ -32,7 +32,9 @@ from .partial.coverage import Coverage
 from .partial.decision import coverage_of_pair
 from .partial.matches import boundary_length
 from .partial.part import PartMatch, match_part
-from .pieces.riding import with_other_pieces
+from .pieces.main_pair import choose_main_pair
+from .pieces.search import PieceSearch
+from .pieces.whole import with_all_pieces
 from .reading import aligned_matches, dense_map_of_part, dense_map_of_whole, part_matches, voted_matches
 
 
@@ -103,6 +105,12 @@ def match(
     clock = Stopwatch()
     first, second = _prepared((source, target), chosen, settings, preset, cache, progress, parameters, clock)
     chosen, target_preparation, of_preparation = settings_used(chosen, first.settings, second.settings)
+    stages = parameters.surface, parameters.alignment, parameters.pieces
+    search = PieceSearch(
+        lambda one, two: match(one, two, parameters=parameters, **chosen.of_matching()), chosen, *stages
+    )
+    if landmarks is None and (of_main := choose_main_pair(first, second, search)) is not None:
+        return with_all_pieces(*of_main, search)
 
     def explain(one: Surface, two: Surface) -> tuple[list[Alignment], _Explained]:
         constraints, of_landmarks = None, list[str]()
@@ -128,7 +136,7 @@ def match(
         )
     clock.lap("matches")
     given = {} if constraints is None else {"landmarks": constraints.pairs.tolist()}
-    return Correspondence(
+    result = Correspondence(
         **matches,
         source_info=first.info,
         target_info=second.info,
@@ -163,6 +171,7 @@ def match(
         target=second,
         votes=outcome.votes,
     )
+    return with_all_pieces(result, [], search)
 
 
 _Explained = tuple["Outcome", LandmarkConstraints | None, list[str]]
@@ -284,7 +293,7 @@ def _dense_map(
     parameters: Parameters,
     constraints: LandmarkConstraints | None,
 ) -> SurfaceMap:
-    """The dense map of the chosen alignment, through the landmarks, and of all pieces."""
+    """The dense map of the chosen alignment, through the landmarks."""
     with threadpool_limits(limits=1, user_api="blas"):
         if outcome.part is not None:
             dense = dense_map_of_part(outcome.part, parameters)
@@ -292,9 +301,7 @@ def _dense_map(
             dense = dense_map_of_whole(
                 source, target, outcome.votes, outcome.alignments, settings, parameters, constraints
             )
-    if constraints is not None:
-        dense = dense.with_pairs(*constraints.whole_vertices)
-    return with_other_pieces(dense, [], parameters.pieces, parameters.surface.proxy_size)
+    return dense if constraints is None else dense.with_pairs(*constraints.whole_vertices)
 
 
 def _alternatives(
