@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from functools import partial
 from typing import Any, Unpack
 
+import numpy as np
 from threadpoolctl import threadpool_limits
 
 from .._core.display import one_line
@@ -28,8 +29,7 @@ from ..surface.surface import Surface
 from ..voting.votes import Votes, cast_votes
 from .parameters import Parameters
 from .partial.coverage import Coverage
-from .partial.matches import boundary_length
-from .partial.part import PartMatch, coverage_of_pair, match_part
+from .partial.part import PartMatch, choose_coverage, locate_parts
 from .reading import aligned_matches, dense_map_of_part, dense_map_of_whole, part_matches, voted_matches
 
 
@@ -227,27 +227,22 @@ def align(
     """
     if settings.proposal != "guided":
         return Outcome(votes, Coverage.WHOLE)
-    part, notes = match_part(
+    constants = parameters.alignment
+    votes, candidates = alignments_with_landmarks(source, target, votes, settings, constants, constraints)
+    alignments = rerank_by_registration(source, target, candidates, constants, settings.jobs)
+    parts = locate_parts(
         source,
         target,
         parameters.partial,
-        parameters.alignment.registration,
+        constants.registration,
         settings.seed,
         settings.jobs,
         constraints,
-        parameters.alignment.voting,
+        constants.voting,
     )
-    candidates: list[Alignment] = []
-    if part is None or boundary_length(part.whole) > parameters.partial.opening:
-        votes, candidates = alignments_with_landmarks(
-            source, target, votes, settings, parameters.alignment, constraints
-        )
-    cost = candidates[0].cost if candidates else None
-    coverage, notes = coverage_of_pair(source, target, part, notes, cost, parameters.partial)
-    if coverage is Coverage.PART:
-        return Outcome(votes, coverage, part=part, notes=notes)
-    alignments = rerank_by_registration(source, target, candidates, parameters.alignment, settings.jobs)
-    return Outcome(votes, coverage, alignments, notes=notes)
+    cost = candidates[0].cost if candidates else np.inf
+    coverage, part, notes = choose_coverage(source, target, parts, alignments, cost, parameters.partial)
+    return Outcome(votes, coverage, [] if part else alignments, part, notes)
 
 
 def read_matches(
