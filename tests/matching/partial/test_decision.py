@@ -57,7 +57,7 @@ def displacements(pairs, kept=None):
 def test_two_discs_of_other_sizes_are_not_parts_of_each_other(source, size, bend):
     vertices, faces = cap(1, bend=bend)
     result = mm.match(source, (size * vertices @ rotation(2), faces))
-    assert result.warnings == ()
+    assert not any("partial" in warning for warning in result.warnings)
     assert len(result.pairs) > 500
     assert displacements(result.pairs).mean() < 0.05
     dense = result.dense().vertex_map
