@@ -45,7 +45,7 @@ def test_torus_to_torus(tori, torus_match):
     assert len(result) > 300
     *notes, choice = result.warnings
     assert all("1 handle kept, and cut open in the flattening alone" in note for note in notes)
-    assert choice.startswith("handles kept on the source and kept on the target, which fits best (cost ")
+    assert choice.startswith("handles kept on the source and handles kept on the target, which fits best (cost ")
 
 
 def test_mug_to_mug_of_another_proportion():

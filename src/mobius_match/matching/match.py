@@ -29,8 +29,9 @@ from ..voting.votes import Votes, cast_votes
 from .handles import best_reading
 from .parameters import Parameters
 from .partial.coverage import Coverage
+from .partial.decision import coverage_of_pair
 from .partial.matches import boundary_length
-from .partial.part import PartMatch, coverage_of_pair, match_part
+from .partial.part import PartMatch, match_part
 from .pieces.main_pair import choose_main_pair
 from .pieces.search import PieceSearch, without_preparation
 from .pieces.whole import with_all_pieces
@@ -264,11 +265,11 @@ def align(
         votes, candidates = alignments_with_landmarks(
             source, target, votes, settings, parameters.alignment, constraints
         )
-    cost = candidates[0].cost if candidates else None
-    coverage, notes = coverage_of_pair(source, target, part, notes, cost, parameters.partial)
+    alignments = rerank_by_registration(source, target, candidates, parameters.alignment, settings.jobs)
+    chosen = alignments[0] if alignments else None
+    coverage, notes = coverage_of_pair(source, target, part, notes, chosen, parameters.partial, parameters.alignment)
     if coverage is Coverage.PART:
         return Outcome(votes, coverage, part=part, notes=notes)
-    alignments = rerank_by_registration(source, target, candidates, parameters.alignment, settings.jobs)
     return Outcome(votes, coverage, alignments, notes=notes)
 
 

@@ -14,12 +14,11 @@ from mobius_match.geometry.directions import directions
 from mobius_match.geometry.geodesics import geodesic_solver
 from mobius_match.geometry.normals import vertex_normals
 from mobius_match.matching.partial.agreement import BATCH, Paths, agreement, differences, match_by_distances
-from mobius_match.matching.partial.coverage import Coverage
 from mobius_match.matching.partial.locate import Placement
 from mobius_match.matching.partial.matches import match_probabilities, probability, support
 from mobius_match.matching.partial.pair import PartPair
 from mobius_match.matching.partial.parameters import PartialParameters
-from mobius_match.matching.partial.part import coverage_of_pair, is_part, match_part
+from mobius_match.matching.partial.part import is_part, match_part
 from mobius_match.mesh.topology import components
 from mobius_match.registration.parameters import RegistrationParameters
 from mobius_match.registration.sparse import register
@@ -270,20 +269,6 @@ def test_a_close_choice_is_reported():
     parameters = replace(PARAMETERS, close_margin=0.3)
     _, notes = match_part(mm.prepare(half[:2]), mm.prepare(vase(40)), parameters, REGISTRATION, 0)
     assert any("almost as well (margin 0." in note and "below 0.3 is close" in note for note in notes)
-
-
-def test_coverage_of_two_surfaces_with_large_openings():
-    """By the cost of their alignment as wholes."""
-    sheet, ball = mm.prepare(bent(grid(16, 13))), mm.prepare(icosphere(2))
-    part_match, notes = object(), ["a part"]
-    assert coverage_of_pair(sheet, sheet, part_match, notes, None, PARAMETERS) == (Coverage.PART, notes)
-    assert coverage_of_pair(sheet, sheet, part_match, notes, 1.1, PARAMETERS) == (Coverage.PART, notes)
-    assert coverage_of_pair(sheet, sheet, part_match, notes, 0.9, PARAMETERS) == (Coverage.WHOLE, [])
-    assert coverage_of_pair(sheet, sheet, None, notes, 3.4, PARAMETERS) == (Coverage.WHOLE, notes)
-    coverage, (first, second) = coverage_of_pair(sheet, sheet, None, notes, 3.6, PARAMETERS)
-    assert (coverage, first) == (Coverage.BOTH_INCOMPLETE, "a part")
-    assert "both have large openings" in second
-    assert coverage_of_pair(sheet, ball, None, notes, 3.6, PARAMETERS) == (Coverage.WHOLE, notes)
 
 
 @pytest.mark.parametrize("name", examples.names())

@@ -83,14 +83,20 @@ class PartialParameters:
         0.75, "share of the area of a closed whole up to which a part is matched as one at any cost", origin=HAND
     )
     same_cost: float = parameter(
-        1.0, "cost of an alignment of two surfaces with openings below which they correspond as wholes", origin=HAND
+        1.0, "cost of a map between two surfaces with openings below which they correspond as wholes", origin=HAND
+    )
+    rim_gap: float = parameter(
+        0.1,
+        "mean distance between the rims of two surfaces up to which they coincide",
+        unit=AREA,
+        origin="the distance between 100 samples",
     )
     incomplete_factor: float = parameter(
         0.5, "confidence is multiplied by this where each surface may lack what the other has", origin=HAND
     )
     incomplete_cost: float = parameter(
         3.5,
-        "cost of an alignment of two surfaces with openings above which each lacks a part of the other",
+        "cost of a map between two surfaces with openings above which each lacks a part of the other",
         origin=HAND,
     )
 

@@ -22,7 +22,6 @@ from ...registration.parameters import RegistrationParameters
 from ...registration.sparse import Registration
 from ...surface.surface import Surface
 from ...voting.parameters import VotingParameters
-from .coverage import Coverage
 from .locate import fit, locate
 from .matches import boundary_length, points_on_part, points_on_whole
 from .pair import PartPair
@@ -35,6 +34,8 @@ class PartMatch:
 
     Parameters
     ----------
+    cost
+        The cost of this place.
     points, match_probabilities
         Points (N1,) of the target for the source's samples, and the probability (N1,) that each is right; 0 for a
         sample of what is missing.
@@ -42,6 +43,7 @@ class PartMatch:
         The two surfaces in the same units, the part registered to the whole, and which of them is which.
     """
 
+    cost: float
     points: SurfacePoints
     match_probabilities: np.ndarray
     part: Surface
@@ -113,7 +115,9 @@ def match_part(
     if not closed:
         notes.append(f"{other} has large openings, too: a region that only one of the two has may be matched wrongly")
     points, probabilities = (points_on_whole if part is source else points_on_part)(pair, placement)
-    return PartMatch(points, probabilities, pair.part, whole, placement.registration, part is source), notes
+    return PartMatch(
+        placement.cost, points, probabilities, pair.part, whole, placement.registration, part is source
+    ), notes
 
 
 def is_part(surface: Surface, other: Surface, parameters: PartialParameters) -> bool:
@@ -126,48 +130,6 @@ def is_part(surface: Surface, other: Surface, parameters: PartialParameters) -> 
         return length * np.sqrt(share) > opening
     same_area = parameters.largest_share < share < 1 / parameters.largest_share
     return not same_area and length > opening >= boundary_length(other)
-
-
-def coverage_of_pair(
-    source: Surface,
-    target: Surface,
-    part_match: PartMatch | None,
-    notes: list[str],
-    cost: float | None,
-    parameters: PartialParameters,
-) -> tuple[Coverage, list[str]]:
-    """Decide between a match of wholes and a match of a part, once the surfaces have been aligned as wholes.
-
-    Parameters
-    ----------
-    source, target
-        The surfaces.
-    part_match, notes
-        The result of :func:`match_part`.
-    cost
-        Cost of the best alignment of the two as wholes; None if there is none.
-    parameters
-        Constants of the method.
-
-    Returns
-    -------
-    coverage
-        How much of each other the surfaces cover.
-    notes
-        What the user should know about it, a line each.
-    """
-    if part_match is not None:
-        if cost is not None and cost < parameters.same_cost:
-            return Coverage.WHOLE, []
-        return Coverage.PART, notes
-    both_open = min(boundary_length(source), boundary_length(target)) > parameters.opening
-    if cost is not None and cost > parameters.incomplete_cost and both_open:
-        return Coverage.BOTH_INCOMPLETE, [
-            *notes,
-            f"{source.mesh.name} and {target.mesh.name} both have large openings and differ as wholes: where each "
-            f"lacks a part of the other, matches are wrong; all confidences were reduced",
-        ]
-    return Coverage.WHOLE, notes
 
 
 def best_size(pair: PartPair, share: float, seed: int, pool: ThreadPoolExecutor) -> tuple[float, float]:

@@ -1,0 +1,100 @@
+"""Open surfaces: wholes, parts, or neither. A cut through a larger shape is no edge of a disc."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+
+import mobius_match as mm
+from mobius_match.matching.parameters import Parameters
+from mobius_match.matching.partial import decision
+from mobius_match.matching.partial.coverage import Coverage
+from mobius_match.matching.partial.decision import coverage_of_pair, rim_gap
+from mobius_match.registration.sparse import register
+from tests.shapes import bent, cap, disc, grid, icosphere, rotation
+
+PARAMETERS = Parameters()
+
+
+@dataclass
+class Chosen:
+    """An alignment whose map has a known cost."""
+
+    cost: float
+
+    def registered(self, source, target, parameters):
+        return self
+
+
+@pytest.mark.parametrize(
+    ("cost", "part", "fits", "coverage"),
+    [
+        (None, True, False, Coverage.PART),
+        (None, False, False, Coverage.WHOLE),
+        (1.1, True, False, Coverage.PART),
+        (1.1, True, True, Coverage.WHOLE),
+        (0.9, True, False, Coverage.WHOLE),
+        (3.4, False, False, Coverage.WHOLE),
+        (3.6, False, False, Coverage.BOTH_INCOMPLETE),
+    ],
+)
+def test_coverage_of_two_surfaces_with_large_openings(monkeypatch, cost, part, fits, coverage):
+    """By the cost of the map that they are registered along as wholes."""
+    monkeypatch.setattr(decision, "registered_map_cost", lambda source, target, registration, _: registration.cost)
+    monkeypatch.setattr(decision, "fit_as_wholes", lambda *_: fits)
+    sheet, ball = mm.prepare(bent(grid(16, 13))), mm.prepare(icosphere(2))
+    part_match, alignment = object() if part else None, None if cost is None else Chosen(cost)
+    constants = PARAMETERS.partial, PARAMETERS.alignment
+    found, notes = coverage_of_pair(sheet, sheet, part_match, ["a part"], alignment, *constants)
+    assert found is coverage
+    assert notes[:1] == ([] if part and coverage is Coverage.WHOLE else ["a part"])
+    assert any("both have large openings" in note for note in notes) == (coverage is Coverage.BOTH_INCOMPLETE)
+    if not part:
+        assert coverage_of_pair(sheet, ball, None, [], alignment, *constants) == (Coverage.WHOLE, [])
+
+
+def test_the_gap_between_rims():
+    arrays = cap(0)
+    surface, inside = mm.prepare(arrays), arrays[1][(np.abs(arrays[0][arrays[1], :2]) < 0.6).all(axis=(1, 2))]
+    used = np.unique(inside)
+    smaller = mm.prepare((arrays[0][used], np.searchsorted(used, inside)))
+    constants = PARAMETERS.alignment.registration
+    same = register(surface, surface, surface.proxy, constants)
+    assert rim_gap(surface, surface, same) < 0.02
+    within = register(smaller, surface, used[smaller.proxy], constants, whole=False)
+    assert rim_gap(smaller, surface, within) > 0.1
+    assert rim_gap(surface, mm.prepare(icosphere(2)), same) == np.inf
+
+
+@pytest.fixture(scope="module")
+def source():
+    return mm.prepare(cap(0))
+
+
+def displacements(pairs, kept=None):
+    """Distances in the flat disc between matched vertices of the meshes of seeds 0 and 1."""
+    one, two = disc(1500, seed=0)[0], disc(1500, seed=1)[0]
+    return np.linalg.norm((one if kept is None else one[kept])[pairs[:, 0]] - two[pairs[:, 1]], axis=1)
+
+
+@pytest.mark.parametrize(("size", "bend"), [(0.9, 0.5), (300.0, 0.0)])
+def test_two_discs_of_other_sizes_are_not_parts_of_each_other(source, size, bend):
+    vertices, faces = cap(1, bend=bend)
+    result = mm.match(source, (size * vertices @ rotation(2), faces))
+    assert result.warnings == ()
+    assert len(result.pairs) > 500
+    assert displacements(result.pairs).mean() < 0.05
+    dense = result.dense().vertex_map
+    every = np.stack([np.flatnonzero(dense >= 0), dense[dense >= 0]], axis=1)
+    assert len(every) > 0.98 * len(source.mesh.vertices)
+    assert displacements(every).mean() < 0.05
+
+
+def test_a_cut_through_a_disc_is_no_edge_of_it():
+    vertices, faces = cap(0)
+    faces = faces[(vertices[faces, 0] > -0.3).all(axis=1)]
+    kept = np.unique(faces)
+    result = mm.match((vertices[kept], np.searchsorted(kept, faces)), cap(1))
+    assert any("treated as a partial scan" in warning for warning in result.warnings)
+    assert len(result.pairs) > 50
+    assert displacements(result.pairs, kept).max() < 0.2
