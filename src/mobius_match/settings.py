@@ -207,11 +207,6 @@ class MatchSettings(PrepareSettings):
             return min(max(wanted, PAPER_VOTES_RANGE[0]), PAPER_VOTES_RANGE[1])
         return 20_000
 
-    def of_matching(self) -> dict[str, Any]:
-        """The settings by name that are not those of the preparation."""
-        preparation = {one.name for one in fields(PrepareSettings)}
-        return {name: value for name, value in asdict(self).items() if name not in preparation}
-
     def to_dict(self) -> dict[str, Any]:
         """All settings as JSON-able values.
 

@@ -32,7 +32,7 @@ from .partial.coverage import Coverage
 from .partial.decision import choose_coverage
 from .partial.part import PartMatch, locate_parts
 from .pieces.main_pair import choose_main_pair
-from .pieces.search import PieceSearch
+from .pieces.search import PieceSearch, without_preparation
 from .pieces.whole import with_all_pieces
 from .reading import aligned_matches, dense_map_of_part, dense_map_of_whole, part_matches, voted_matches
 
@@ -106,7 +106,7 @@ def match(
     chosen, target_preparation, of_preparation = settings_used(chosen, first.settings, second.settings)
     stages = parameters.surface, parameters.alignment, parameters.pieces
     search = PieceSearch(
-        lambda one, two: match(one, two, parameters=parameters, **chosen.of_matching()), chosen, *stages
+        lambda one, two: match(one, two, parameters=parameters, **without_preparation(chosen)), chosen, *stages
     )
     if landmarks is None and (of_main := choose_main_pair(first, second, search)) is not None:
         return with_all_pieces(*of_main, search)

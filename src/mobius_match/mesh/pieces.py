@@ -115,7 +115,7 @@ def main_piece(mesh: Mesh, name: str | None = None) -> Mesh:
 
 
 def _named(mesh: Mesh, pieces: Pieces, name: str) -> np.ndarray:
-    """Which pieces (k,) bool have the name: those with more faces of it than of others, or else with any."""
+    """Which pieces (k,) bool have the name."""
     names = dict(mesh.names)
     if name not in names:
         known = ", ".join(repr(one) for one in list(names)[:LISTED]) + (", ..." if len(names) > LISTED else "")
@@ -123,8 +123,13 @@ def _named(mesh: Mesh, pieces: Pieces, name: str) -> np.ndarray:
             f"{mesh.name}: no group, object, material or node is named {name!r}; "
             + (f"there are {known}." if names else "the file has no names.")
         )
-    of_name = np.isin(mesh.face_ids, names[name])
-    number, rest = (np.bincount(pieces.faces, faces, len(pieces)) for faces in (of_name, ~of_name))
+    return pieces_named(mesh, pieces, names[name])
+
+
+def pieces_named(mesh: Mesh, pieces: Pieces, faces: Ints) -> np.ndarray:
+    """Which pieces (k,) bool have more of some faces of the file than of others; else those that have any of them."""
+    of_name = np.isin(mesh.face_ids, faces)
+    number, rest = (np.bincount(pieces.faces, some, len(pieces)) for some in (of_name, ~of_name))
     return number > rest if (number > rest).any() else number > 0
 
 

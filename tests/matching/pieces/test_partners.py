@@ -6,7 +6,7 @@ import pytest
 import mobius_match as mm
 from mobius_match.errors import MeshError, SettingsError
 from mobius_match.matching.pieces.copies import laid_on
-from mobius_match.mesh import Mesh, read_mesh, repair
+from mobius_match.mesh import Mesh, describe, read_mesh, repair
 from mobius_match.mesh.pieces import main_piece
 from tests.shapes import ellipsoid, icosphere, lump, rotation
 
@@ -122,6 +122,10 @@ def test_names_of_an_obj_file(obj):
     assert main_piece(mesh).face_ids[0] == 0
     main = main_piece(mesh, "skin")
     assert main.face_ids[0] == 320 and "the largest named 'skin'" in main.notes[-1]
+    assert [one["names"] for one in describe(read_mesh(obj))["pieces"]] == [
+        ["thing", "box", "other"],
+        ["my body", "skin"],
+    ]
     with pytest.raises(MeshError, match="no group, object, material or node is named 'hair'; there are 'thing', "):
         main_piece(mesh, "hair")
 

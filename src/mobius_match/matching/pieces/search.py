@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
+from typing import Any
 
 import numpy as np
 
@@ -75,6 +76,11 @@ class PiecePair:
 
     def __repr__(self) -> str:
         return one_line(self)
+
+
+def without_preparation(settings: MatchSettings) -> dict[str, Any]:
+    """The settings of a match, by name, that are not those of the preparation."""
+    return {one.name: getattr(settings, one.name) for one in fields(settings) if not hasattr(PrepareSettings, one.name)}
 
 
 def surfaces_of(result: Correspondence) -> tuple[Surface, Surface]:
