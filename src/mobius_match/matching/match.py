@@ -104,10 +104,8 @@ def match(
     clock = Stopwatch()
     first, second = _prepared((source, target), chosen, settings, preset, cache, progress, parameters, clock)
     chosen, target_preparation, of_preparation = settings_used(chosen, first.settings, second.settings)
-    stages = parameters.surface, parameters.alignment, parameters.pieces
-    search = PieceSearch(
-        lambda one, two: match(one, two, parameters=parameters, **without_preparation(chosen)), chosen, *stages
-    )
+    again = partial(match, parameters=parameters, **without_preparation(chosen))
+    search = PieceSearch(again, chosen, parameters.surface, parameters.alignment, parameters.pieces)
     if landmarks is None and (of_main := choose_main_pair(first, second, search)) is not None:
         return with_all_pieces(*of_main, search)
 
