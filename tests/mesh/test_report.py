@@ -41,7 +41,15 @@ def test_a_unit_cube():
         "orientable": True,
         "bounding_box": {"min": [-0.5] * 3, "max": [0.5] * 3},
         "pieces": [
-            {"vertices": 26, "faces": 48, "area": pytest.approx(6), "closed": True, "cavity": False, "first_vertex": 0}
+            {
+                "vertices": 26,
+                "faces": 48,
+                "area": pytest.approx(6),
+                "closed": True,
+                "cavity": False,
+                "first_vertex": 0,
+                "names": [],
+            }
         ],
         "unreached_vertices": [],
         "notes": [],

@@ -85,6 +85,15 @@ def test_mid_edges_of_the_rim_lie_on_the_circle_in_order():
     assert turn == pytest.approx(2 * np.pi)
 
 
+def test_a_missing_face_is_closed_as_well():
+    """A loop of three edges: hardly anything moves."""
+    vertices, faces = disc()
+    middle = np.linalg.norm(vertices[faces].mean(axis=1) - (0.5, 0.2, 0), axis=1).argmin()
+    whole, open_ = places((vertices, faces)), places((vertices, np.delete(faces, middle, axis=0)))
+    found, true = onto(open_, whole)
+    assert np.abs(found - true).max() < 0.2 * spacing((vertices, faces))
+
+
 def test_prepared_surfaces_have_the_disc_if_they_are_open(tmp_path):
     closed, opened = mm.prepare(icosphere(2)), mm.prepare(bent(grid()))
     assert (len(closed.disc), closed.rim_length) == (0, 0.0)

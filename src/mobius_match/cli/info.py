@@ -75,6 +75,7 @@ def _pieces(pieces: list[dict[str, Any]]) -> Iterator[str]:
         yield (
             f"{'main' if number == 0 else 'other'}: {piece['vertices']} vertices from {piece['first_vertex']}, "
             f"{piece['faces']} faces, area {_shown(piece['area'])}, {kind}"
+            + (f", {', '.join(map(repr, piece['names']))}" if piece["names"] else "")
         )
     if len(pieces) > MOST_PIECES:
         yield f"and {len(pieces) - MOST_PIECES} more (--json lists them)"

@@ -49,13 +49,23 @@ def carried(
     return (stretch[:, None] * turned + image_means) * scale2 + centre2
 
 
-def similarity(points: np.ndarray, images: np.ndarray) -> np.ndarray:
-    """The points (q, 3) moved by the similarity without reflection that brings them nearest to their images (q, 3)."""
-    start, end = points - points.mean(axis=0), images - images.mean(axis=0)
+def similarity(points: np.ndarray, images: np.ndarray, apply_to: np.ndarray | None = None) -> np.ndarray:
+    """Points moved by the similarity without reflection that brings points (q, 3) nearest to their images (q, 3).
+
+    Parameters
+    ----------
+    points, images
+        (q, 3) positions before and after.
+    apply_to
+        The points that are moved; by default the given ones.
+    """
+    middle, end = points.mean(axis=0), images - images.mean(axis=0)
+    start = points - middle
     covariance = start.T @ end
     rotation = nearest_rotations(covariance[None])[0]
     stretch = (rotation * covariance).sum() / max((start * start).sum(), np.finfo(float).tiny)
-    return stretch * start @ rotation + images.mean(axis=0)
+    moved = start if apply_to is None else apply_to - middle
+    return stretch * moved @ rotation + images.mean(axis=0)
 
 
 @jit

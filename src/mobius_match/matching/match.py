@@ -29,9 +29,11 @@ from ..voting.votes import Votes, cast_votes
 from .handles import best_reading
 from .parameters import Parameters
 from .partial.coverage import Coverage
-from .partial.matches import boundary_length
-from .partial.part import PartMatch, coverage_of_pair, match_part
-from .pieces.riding import with_other_pieces
+from .partial.decision import choose_coverage
+from .partial.part import PartMatch, locate_parts
+from .pieces.main_pair import choose_main_pair
+from .pieces.search import PieceSearch, without_preparation
+from .pieces.whole import with_all_pieces
 from .reading import aligned_matches, dense_map_of_part, dense_map_of_whole, part_matches, voted_matches
 
 
@@ -102,6 +104,10 @@ def match(
     clock = Stopwatch()
     first, second = _prepared((source, target), chosen, settings, preset, cache, progress, parameters, clock)
     chosen, target_preparation, of_preparation = settings_used(chosen, first.settings, second.settings)
+    again = partial(match, parameters=parameters, **without_preparation(chosen))
+    search = PieceSearch(again, chosen, parameters.surface, parameters.alignment, parameters.pieces)
+    if landmarks is None and (of_main := choose_main_pair(first, second, search)) is not None:
+        return with_all_pieces(*of_main, search)
 
     def explain(one: Surface, two: Surface) -> tuple[list[Alignment], _Explained]:
         constraints, of_landmarks = None, list[str]()
@@ -127,7 +133,7 @@ def match(
         )
     clock.lap("matches")
     given = {} if constraints is None else {"landmarks": constraints.pairs.tolist()}
-    return Correspondence(
+    result = Correspondence(
         **matches,
         source_info=first.info,
         target_info=second.info,
@@ -162,6 +168,7 @@ def match(
         target=second,
         votes=outcome.votes,
     )
+    return with_all_pieces(result, [], search)
 
 
 _Explained = tuple["Outcome", LandmarkConstraints | None, list[str]]
@@ -240,27 +247,21 @@ def align(
     """
     if settings.proposal != "guided":
         return Outcome(votes, Coverage.WHOLE)
-    part, notes = match_part(
+    constants = parameters.alignment
+    votes, candidates = alignments_with_landmarks(source, target, votes, settings, constants, constraints)
+    alignments = rerank_by_registration(source, target, candidates, constants, settings.jobs)
+    parts = locate_parts(
         source,
         target,
         parameters.partial,
-        parameters.alignment.registration,
+        constants.registration,
         settings.seed,
         settings.jobs,
         constraints,
-        parameters.alignment.voting,
+        constants.voting,
     )
-    candidates: list[Alignment] = []
-    if part is None or boundary_length(part.whole) > parameters.partial.opening:
-        votes, candidates = alignments_with_landmarks(
-            source, target, votes, settings, parameters.alignment, constraints
-        )
-    cost = candidates[0].cost if candidates else None
-    coverage, notes = coverage_of_pair(source, target, part, notes, cost, parameters.partial)
-    if coverage is Coverage.PART:
-        return Outcome(votes, coverage, part=part, notes=notes)
-    alignments = rerank_by_registration(source, target, candidates, parameters.alignment, settings.jobs)
-    return Outcome(votes, coverage, alignments, notes=notes)
+    coverage, part, notes = choose_coverage(source, target, parts, alignments, parameters.partial, constants)
+    return Outcome(votes, coverage, [] if part else alignments, part, notes)
 
 
 def read_matches(
@@ -283,7 +284,7 @@ def _dense_map(
     parameters: Parameters,
     constraints: LandmarkConstraints | None,
 ) -> SurfaceMap:
-    """The dense map of the chosen alignment, through the landmarks, and of all pieces."""
+    """The dense map of the chosen alignment, through the landmarks."""
     with threadpool_limits(limits=1, user_api="blas"):
         if outcome.part is not None:
             dense = dense_map_of_part(outcome.part, parameters)
@@ -291,9 +292,7 @@ def _dense_map(
             dense = dense_map_of_whole(
                 source, target, outcome.votes, outcome.alignments, settings, parameters, constraints
             )
-    if constraints is not None:
-        dense = dense.with_pairs(*constraints.whole_vertices)
-    return with_other_pieces(dense, [], parameters.pieces, parameters.surface.proxy_size)
+    return dense if constraints is None else dense.with_pairs(*constraints.whole_vertices)
 
 
 def _alternatives(

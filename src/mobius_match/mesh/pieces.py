@@ -11,12 +11,17 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from .._core.display import one_line
+from ..errors import MeshError
 from .measure import areas, box_scale
 from .mesh import Floats, Ints, Mesh, count
 from .topology import EdgeTable, components, edge_table
 
 MIN_FACES, MIN_VERTICES = 20, 12
 """A piece with fewer is too coarse to be matched by itself."""
+
+
+LISTED = 12
+"""Names that a message lists at most."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,27 +78,59 @@ def pieces_of(mesh: Mesh, table: EdgeTable | None = None) -> Pieces:
     return Pieces(label, vertices, sizes, total, closed, cavities)
 
 
-def main_piece(mesh: Mesh) -> Mesh:
+def main_piece(mesh: Mesh, name: str | None = None) -> Mesh:
     """The piece of a repaired mesh that is matched, with the others beside it (:attr:`.Mesh.others`).
 
     It is the one of largest area that is no cavity and has enough faces to be matched. A mesh of one piece is returned
     as it is.
+
+    Parameters
+    ----------
+    mesh
+        The mesh.
+    name
+        If the file has names, the piece is one of those of this name, the largest.
+
+    Raises
+    ------
+    MeshError
+        If the file has names, and not this one.
     """
     table = edge_table(mesh.faces)
     if components(mesh.faces, table)[0] < 2:
         return mesh
     pieces = pieces_of(mesh, table)
-    number = main_number(pieces)
+    number = main_number(pieces, None if name is None else _named(mesh, pieces, name))
     main = piece_with_others(mesh, pieces, number)
     share, cavities = 100 * pieces.areas[number] / pieces.areas.sum(), int(pieces.cavities.sum())
+    of_name = "the largest" if name is None else f"the largest named {name!r}"
     rest = count(len(mesh.vertices) - len(main.vertices), "vertex", "vertices")
     note = (
-        f"{len(pieces)} pieces: the largest ({len(main.vertices)} vertices, {share:.2g} % of the area) is the main "
+        f"{len(pieces)} pieces: {of_name} ({len(main.vertices)} vertices, {share:.2g} % of the area) is the main "
         f"one, with {count(len(pieces) - 1, 'other', 'others')} beside it ({rest}"
         + (f"; {count(cavities, 'cavity', 'cavities')} inside others" if cavities else "")
         + ")."
     )
     return replace(main, notes=(*main.notes, note))
+
+
+def _named(mesh: Mesh, pieces: Pieces, name: str) -> np.ndarray:
+    """Which pieces (k,) bool have the name."""
+    names = dict(mesh.names)
+    if name not in names:
+        known = ", ".join(repr(one) for one in list(names)[:LISTED]) + (", ..." if len(names) > LISTED else "")
+        raise MeshError(
+            f"{mesh.name}: no group, object, material or node is named {name!r}; "
+            + (f"there are {known}." if names else "the file has no names.")
+        )
+    return pieces_named(mesh, pieces, names[name])
+
+
+def pieces_named(mesh: Mesh, pieces: Pieces, faces: Ints) -> np.ndarray:
+    """Which pieces (k,) bool have more of some faces of the file than of others; else those that have any of them."""
+    of_name = np.isin(mesh.face_ids, faces)
+    number, rest = (np.bincount(pieces.faces, some, len(pieces)) for some in (of_name, ~of_name))
+    return number > rest if (number > rest).any() else number > 0
 
 
 def main_number(pieces: Pieces, among: np.ndarray | None = None) -> int:

@@ -10,7 +10,7 @@ import numpy as np
 from ..errors import MeshError, TopologyError
 from .measure import areas, box_scale, cross_products, twins, unit_box
 from .mesh import Ints, Mesh
-from .pieces import MIN_FACES, MIN_VERTICES, joined, main_piece, pieces_of, unreached_vertices
+from .pieces import MIN_FACES, MIN_VERTICES, joined, main_piece, pieces_named, pieces_of, unreached_vertices
 from .repair import repair, repeated
 from .slivers import MANY, is_flat
 from .topology import (
@@ -192,6 +192,7 @@ def _pieces(mesh: Mesh) -> list[dict[str, Any]]:
     whole, (vertices, _), _ = joined(mesh)
     pieces = pieces_of(whole)
     main = pieces.vertices[vertices[0]]
+    names = [(name, pieces_named(whole, pieces, faces)) for name, faces in mesh.names]
     order = np.argsort(np.where(np.arange(len(pieces)) == main, -np.inf, -pieces.areas), kind="stable")
     return [
         {
@@ -201,6 +202,7 @@ def _pieces(mesh: Mesh) -> list[dict[str, Any]]:
             "closed": bool(pieces.closed[k]),
             "cavity": bool(pieces.cavities[k]),
             "first_vertex": int(whole.vertex_ids[pieces.vertices == k].min()),
+            "names": [name for name, of_name in names if of_name[k]],
         }
         for k in order.tolist()
     ]

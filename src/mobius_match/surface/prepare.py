@@ -24,7 +24,7 @@ from ..mesh.pieces import main_piece
 from ..mesh.repair import repair
 from ..mesh.report import require_matchable
 from ..mesh.topology import boundary_edges
-from ..settings import PrepareOptions, PrepareSettings, Preset, make_prepare_settings
+from ..settings import WHICH_PIECES, PrepareOptions, PrepareSettings, Preset, make_prepare_settings
 from .cache import load_cached, store
 from .disc import disc_positions
 from .flattening import choose_cut_face, flatten, vertex_positions
@@ -107,7 +107,7 @@ def begin_preparation(
         kept = load_cached(thing, settings, parameters) if cache else None
         if kept is not None:
             return kept
-    return matchable_mesh(thing)
+    return matchable_mesh(thing, settings.pieces)
 
 
 def complete_preparation(
@@ -127,17 +127,18 @@ def complete_preparation(
     return surface
 
 
-def matchable_mesh(thing: Any) -> Mesh:
+def matchable_mesh(thing: Any, pieces: str = "largest") -> Mesh:
     """The repaired mesh of a path, of arrays, or of an object with both, if it can be matched at all.
 
-    Of several pieces it is the :func:`.main_piece`, with the others beside it.
+    Of several pieces it is the :func:`.main_piece`, with the others beside it; ``pieces`` as in
+    :class:`.PrepareSettings`.
 
     Raises
     ------
     MeshError
         If it cannot; the message says why and what to do.
     """
-    mesh = main_piece(repair(as_mesh(thing)))
+    mesh = main_piece(repair(as_mesh(thing)), None if pieces in WHICH_PIECES else pieces)
     require_matchable(mesh)
     return mesh
 

@@ -41,7 +41,7 @@ def _content(surface: Any) -> bytes:
         parts |= {"others.": surface.whole_mesh.others}
     for prefix, part in parts.items():
         more = _split(part, prefix)
-        values |= {name: value for name, value in more[0].items() if not name.endswith((".mesh", ".others"))}
+        values |= {name: value for name, value in more[0].items() if not name.endswith((".mesh", ".names", ".others"))}
         arrays |= more[1]
     values |= {"format": FORMAT, "version": VERSION, "settings": asdict(surface.settings)}
     values["parameters"] = asdict(surface.parameters)

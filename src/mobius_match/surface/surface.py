@@ -190,14 +190,22 @@ class Surface:
         return edges[~np.isin(self.mesh.vertex_ids[edges], self.loops).all(axis=1)]
 
     @cached_property
+    def rim(self) -> np.ndarray:
+        """Edges (e, 2) of the longest loop of the boundary, as in ``open_edges``; none where the surface is closed."""
+        edges = self.open_edges
+        number, labels = labels_of(len(self.mesh.vertices), *edges.T)
+        loop = labels[edges[:, 0]]
+        return edges[loop == np.bincount(loop, self._lengths(edges), number).argmax()]
+
+    @property
     def rim_length(self) -> float:
-        """Length of the longest boundary loop per sqrt(area); 0 where the surface is closed."""
-        ends = self.open_edges
-        if not len(ends):
-            return 0.0
-        lengths = np.linalg.norm(self.mesh.vertices[ends[:, 0]] - self.mesh.vertices[ends[:, 1]], axis=1)
-        loop = labels_of(len(self.mesh.vertices), *ends.T)[1][ends[:, 0]]
-        return float(np.bincount(loop, lengths).max() / self.scale)
+        """Length of the rim per sqrt(area); 0 where the surface is closed."""
+        return float(self._lengths(self.rim).sum() / self.scale)
+
+    def _lengths(self, edges: np.ndarray) -> np.ndarray:
+        """Lengths (e,) of edges (e, 2) in the units of the mesh."""
+        ends = self.mesh.vertices[edges]
+        return np.linalg.norm(ends[:, 0] - ends[:, 1], axis=1)
 
     @cached_property
     def descriptors(self) -> np.ndarray:

@@ -11,7 +11,6 @@ from ...geometry.moving_least_squares import carried, similarity
 from ...geometry.points import SurfacePoints, closest_points
 from ...mesh import Mesh
 from ...mesh.measure import areas, unit_box
-from ...mesh.pieces import joined
 from ...mesh.topology import components
 from ...results.surface_map import SurfaceMap
 from ...surface.sampling import proxy_points
@@ -45,29 +44,6 @@ class PieceMap:
         return PieceMap(self.dense.inverse, self.target, self.source)
 
 
-def with_other_pieces(
-    dense: SurfaceMap, maps: list[PieceMap], parameters: PiecesParameters, controls: int
-) -> SurfaceMap:
-    """The map of all pieces, from that of the main ones; itself if there are no others.
-
-    Parameters
-    ----------
-    dense
-        The map between the main pieces.
-    maps
-        The maps of other pieces that are matched.
-    parameters
-        The constants.
-    controls
-        Number of points of the matched pieces whose images say where the other pieces go.
-    """
-    meshes = dense.source, dense.target
-    if all(mesh.others is None for mesh in meshes):
-        return dense
-    (source, here, _), (target, there, _) = map(joined, meshes)
-    return map_of_all_pieces(source, target, [PieceMap(dense, here, there), *maps], parameters, controls)
-
-
 def map_of_all_pieces(
     source: Mesh, target: Mesh, maps: list[PieceMap], parameters: PiecesParameters, controls: int
 ) -> SurfaceMap:
@@ -79,8 +55,10 @@ def map_of_all_pieces(
         The meshes of all pieces.
     maps
         The dense maps of the pieces that are matched.
-    parameters, controls
-        As for :func:`with_other_pieces`.
+    parameters
+        The constants.
+    controls
+        Number of points of the matched pieces whose images say where the other pieces go.
 
     Returns
     -------
