@@ -236,7 +236,7 @@ def _distances(surface: Surface, vertices: np.ndarray) -> np.ndarray:
     """Geodesic distances (h, n) float32 from vertices (h,), in the units of the mesh."""
     mesh, scale = surface.mesh, surface.scale
     positions = (mesh.vertices - mesh.vertices.mean(axis=0)) / scale  # far from overflow, as in preparation
-    solve = geodesic_solver(positions, mesh.faces, surface.settings.geodesics)
+    solve = geodesic_solver(positions, mesh.faces, surface.geodesics)
     return np.stack([solve(int(vertex)) * scale for vertex in vertices]).astype(np.float32)
 
 

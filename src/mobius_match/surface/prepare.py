@@ -195,21 +195,21 @@ def _prepare(
     areas = triangulation.areas
     area = float(areas.sum())
     progress(f"sampling {mesh.name}", 0, 3)
-    if (settings.geodesics, settings.triangulation) == ("heat", "delaunay"):
+    geodesics = settings.geodesics
+    if (geodesics, settings.triangulation) == ("heat", "delaunay"):
         solver = heat_solver(triangulation)
     else:
-        solver = geodesic_solver(vertices, mesh.faces, settings.geodesics)
+        solver = geodesic_solver(vertices, mesh.faces, geodesics)
     samples = sample_points(triangulation, solver, settings.samples, parameters)
-    if (
-        settings.geodesics == "heat"
-        and straightness(vertices[samples.vertices], samples) < parameters.least_straightness
-    ):
+    straight = straightness(vertices[samples.vertices], samples)
+    if geodesics == "heat" and straight < parameters.least_straightness:
         # Heat takes long thin faces, which no flip improves, for shortcuts.
         warnings.append(
             "has faces so long and thin that distances by the heat method were shorter than straight lines; shortest "
             "paths along edges were used instead"
         )
-        solver = geodesic_solver(vertices, mesh.faces, "dijkstra")
+        geodesics = "dijkstra"
+        solver = geodesic_solver(vertices, mesh.faces, geodesics)
         samples = sample_points(triangulation, solver, settings.samples, parameters)
     if not np.isfinite(samples.distances).all():
         raise MeshError(f"{mesh.name}: geodesic distances could not be computed; check the mesh for sliver triangles")
@@ -262,6 +262,7 @@ def _prepare(
         detail=detail,
         settings=settings,
         parameters=parameters,
+        geodesics=geodesics,
         samples=samples.vertices,
         n_maxima=samples.n_maxima,
         distances=distances * scale,

@@ -38,6 +38,8 @@ class Surface:
         The repaired mesh and how the simplified one lies on it; None where nothing was simplified.
     settings, parameters
         The settings and the constants of the method that it was prepared with.
+    geodesics
+        The method that distances were computed by: that of the settings, or "dijkstra" where heat failed.
     samples
         (N,) int64 vertex numbers of the sample points in ``mesh`` (section 4), maxima of curvature first.
     n_maxima
@@ -89,6 +91,7 @@ class Surface:
     detail: Detail | None
     settings: PrepareSettings
     parameters: SurfaceParameters
+    geodesics: str
     samples: np.ndarray
     n_maxima: int
     distances: np.ndarray

@@ -121,7 +121,7 @@ def distance_error(here: np.ndarray, target: Surface, image: np.ndarray, paramet
         Constants of the method.
     """
     mesh, softening = target.mesh, parameters.landmark_distance
-    solve = geodesic_solver(mesh.vertices / target.scale, mesh.faces, target.settings.geodesics)
+    solve = geodesic_solver(mesh.vertices / target.scale, mesh.faces, target.geodesics)
     there = np.stack([solve(int(vertex))[image] for vertex in image])
     ratios = np.log((here + softening) / ((there + there.T) / 2 + softening))
     return float(np.abs(ratios[np.triu_indices(len(image), 1)]).mean())

@@ -198,7 +198,7 @@ class _Distances:
     def __init__(self, surface: Surface) -> None:
         vertices, faces = unit_box(surface.mesh.vertices), surface.mesh.faces
         self._scale = box_scale(surface.mesh.vertices)
-        self._solve = geodesic_solver(vertices, faces, surface.settings.geodesics)
+        self._solve = geodesic_solver(vertices, faces, surface.geodesics)
         corners = vertices[faces]
         self.mean_edge = self._scale * float(np.linalg.norm(corners - corners[:, [1, 2, 0]], axis=2).mean())
 
