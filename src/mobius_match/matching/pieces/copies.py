@@ -58,6 +58,16 @@ def laid_on(source: Mesh, target: Mesh, start: np.ndarray, normal: float) -> tup
     return dense, least
 
 
+def laid_positions(source: Mesh, target: Mesh, start: np.ndarray, normal: float) -> np.ndarray:
+    """Positions (n1, 3) of the source as a similar copy on the target, from where it has been carried."""
+    size = size_of(target.vertices)
+    there, normals = target.vertices / size, vertex_normals(target.vertices / size, target.faces)
+    rest, carried = source.vertices / size_of(source.vertices), start / size
+    begins = carried, carried - carried.mean(axis=0) + there.mean(axis=0)
+    laid = [_closest_copy(rest, source.faces, begin, there, normals, normal) for begin in begins]
+    return min(laid, key=lambda one: one[1])[0] * size
+
+
 def _along_axes(rest: np.ndarray, there: np.ndarray) -> list[np.ndarray]:
     """The four turns of points (n, 3) without reflection that bring their principal axes to those of others (n2, 3)."""
     middle = there.mean(axis=0)
