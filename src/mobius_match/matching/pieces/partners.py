@@ -2,23 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 
-from ...alignments.alignment import Alignment
-from ...alignments.dense import dense_map_of_alignment
 from ...errors import MobiusError
-from ...results.correspondence import Correspondence
 from ...results.surface_map import SurfaceMap
-from .copies import laid_on, size_of
+from .copies import laid_on
 from .groups import Comparison, groups_of, settled, touching
+from .maps import best_map
 from .riding import PieceMap, map_of_all_pieces
-from .search import PiecePair, PieceSearch, map_cost, proxy_image
+from .search import PiecePair, PieceSearch
 from .sides import Side
-
-CLOSE = 0.05
-"""Error of a match, as a fraction of the target's diameter, that confidence is the probability of not exceeding."""
 
 MOST_PARTNERS = 200
 """Pieces of a shape for which partners are looked for, at most: the largest."""
@@ -82,8 +75,7 @@ def _candidates(side: Side, taken: set[int]) -> list[int]:
 
 def _matched(source: Side, target: Side, i: int, j: int, carried: np.ndarray, search: PieceSearch) -> PiecePair:
     """The match of two pieces that belong together: the best of the maps that may be made of them."""
-    meshes = [source.part(i), target.part(j)]
-    copy, _ = laid_on(meshes[0], meshes[1], carried, search.normal)
+    meshes = source.part(i), target.part(j)
     large = all(
         side.pieces.areas[k] >= search.parameters.own * side.pieces.areas[side.main]
         for side, k in ((source, i), (target, j))
@@ -94,50 +86,14 @@ def _matched(source: Side, target: Side, i: int, j: int, carried: np.ndarray, se
         if (large or search.settings.pieces == "all") and side.fine_enough(k)
     ]
     if len(surfaces) < 2:
-        return PiecePair(i, j, None, copy)
+        return PiecePair(i, j, None, laid_on(meshes[0], meshes[1], carried, search.normal))
     first, second = surfaces
-    if any(len(one.whole_mesh.vertices) != len(mesh.vertices) for one, mesh in zip(surfaces, meshes, strict=True)):
-        return PiecePair(i, j, None, copy)  # cut open, so its vertices count otherwise
-    alignment = Alignment(proxy_image(first, second, copy), {}, 0.0, 0.0)
-    found: list[tuple[SurfaceMap, Correspondence | None]] = [
-        (copy, None),
-        (dense_map_of_alignment(first, second, alignment, search.alignment), None),
-    ]
     try:
         whole = search.match(first, second)
-        found.append((whole.dense(), whole))
     except MobiusError:  # without features, such as a ball
-        pass
-    size = size_of(meshes[1].vertices)
-
-    def total(dense: SurfaceMap) -> float:
-        away = np.linalg.norm(dense.target_points.values(dense.target.vertices) - carried, axis=1)[dense.source_mapped]
-        place = float(away.mean()) / size if len(away) else np.inf
-        return map_cost(first, second, dense, search.alignment.cost) + place
-
-    dense = min((one for one, _ in found), key=total)
-    result = found[-1][1]
-    return PiecePair(i, j, None if result is None else _agreeing(result, dense), dense)
-
-
-def _agreeing(result: Correspondence, dense: SurfaceMap) -> Correspondence | None:
-    """The matches that a dense map of the same pieces confirms; None if there are none.
-
-    It does if they end within 5 % of the target's diameter, the error that their confidence is about.
-    """
-    rows = [np.zeros(mesh.n_file_vertices, np.int64) for mesh in (dense.source, dense.target)]
-    for row, mesh in zip(rows, (dense.source, dense.target), strict=True):
-        row[mesh.vertex_ids[::-1]] = np.arange(len(mesh.vertices))[::-1]
-    here, there = rows[0][result.pairs[:, 0]], rows[1][result.pairs[:, 1]]
-    away = np.linalg.norm(dense.positions[here] - dense.target.vertices[there], axis=1)
-    kept = np.flatnonzero(away <= CLOSE * result.target_info["diameter"])
-    if not len(kept):
-        return None
-    points = result.target_points
-    return replace(
-        result,
-        pairs=result.pairs[kept],
-        confidence=result.confidence[kept],
-        kind=result.kind[kept],
-        target_points=None if points is None else points[kept],
-    )
+        whole = None
+    if any(len(one.whole_mesh.vertices) != len(mesh.vertices) for one, mesh in zip(surfaces, meshes, strict=True)):
+        # Cut open along handles, so that vertices count otherwise.
+        return PiecePair(i, j, whole, laid_on(*meshes, carried, search.normal) if whole is None else whole.dense())
+    dense, result = best_map(first, second, carried, whole, search)
+    return PiecePair(i, j, result, dense)
