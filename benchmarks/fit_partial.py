@@ -48,7 +48,7 @@ def matches_of(pair: PartPair, part: mm.Surface, case_and_cut: tuple, seed: int 
     """The matches of both directions where the part is located at all."""
     case, cut_part, other = case_and_cut
     with ThreadPoolExecutor() as pool:
-        size, _ = best_size(pair, part.area / other.area, seed, pool)
+        size, _ = best_size(pair, seed, pool)
         pair = pair.scaled(size)
         placement = locate(pair, np.random.default_rng(seed), pool)
     if placement is None:

@@ -2,7 +2,7 @@
 
     python benchmarks/partial.py DATA [-o docs/partial.md] [--cuts N] [--fresh N] [--seeds S ...] [--units N]
 
-DATA is the folder that holds the evaluation sets tosca and faust, with their pairs and corres/. Takes ten minutes.
+DATA is the folder that holds the evaluation sets tosca and faust, with their pairs and corres/. Takes half an hour.
 """
 
 from __future__ import annotations

@@ -176,6 +176,20 @@ def test_what_is_glued_to_a_surface_leaves_it_as_it_was(data, seed, kind):
     np.testing.assert_array_equal(np.sort(fixed.vertex_ids), np.arange(n))
 
 
+def test_a_soup_with_fins_is_closed():
+    """As an STL file: each face has vertices of its own, three of them along the edges of a path."""
+    vertices, faces = icosphere(3)
+    path = [0]
+    edges = tp.edge_table(faces).edges
+    while len(path) < 6:
+        path.append(int(np.setdiff1d(edges[(edges == path[-1]).any(axis=1)], path)[-1]))
+    glued = np.stack([path[:-1], path[1:], len(vertices) + np.arange(5)], axis=1)
+    points, all_faces = np.concatenate([vertices, 1.2 * vertices[path[:5]]]), np.concatenate([faces, glued])
+    fixed = main_piece(repair(Mesh(points[all_faces].reshape(-1, 3), np.arange(all_faces.size).reshape(-1, 3))))
+    assert len(fixed.vertices) == len(vertices) and len(fixed.faces) == len(faces)
+    assert manifold(fixed) and not len(tp.boundary_loops(fixed.faces))
+
+
 def test_a_neck_of_one_edge_is_cut(shapes):
     """A torus with a ring drawn together to two vertices: two sheets on one edge, which is a handle until it is cut."""
     u, v, faces = shapes.grid(12, 3, wrap_u=True, wrap_v=True)

@@ -55,10 +55,19 @@ def best_reading(
         image = alignments[0].registered(one, two, parameters.alignment).image
         terms = cost_terms(one, two, two.nearest_proxy[image], parameters.alignment.cost)
         runs.append((total_cost(terms, parameters.alignment.cost.weights), one, two, found))
-    order = sorted(range(len(runs)), key=lambda k: runs[k][0])
+
+    def key(k: int) -> float:
+        # What a wide envelope closes is lost to the map, so it has to be the better one beyond doubt.
+        cost, one, two, _ = runs[k]
+        wide = any(side.envelope and side is not first for side, first in ((one, source), (two, target)))
+        return cost + parameters.alignment.selection.ambiguous_margin * wide
+
+    order = sorted(range(len(runs)), key=key)
     cost, one, two, found = runs[order[0]]
     others = "; ".join(f"{_reading(*runs[k][1:3])}: {runs[k][0]:.2f}" for k in order[1:])
-    return one, two, found, [f"{_reading(one, two)}, which fits best (cost {cost:.2f}; {others})"]
+    best = cost <= min(run[0] for run in runs)
+    verdict = "which fits best" if best else "which fits about as well as the best and closes less"
+    return one, two, found, [f"{_reading(one, two)}, {verdict} (cost {cost:.2f}; {others})"]
 
 
 def _reading(source: Surface, target: Surface) -> str:

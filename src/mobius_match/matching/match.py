@@ -29,9 +29,8 @@ from ..voting.votes import Votes, cast_votes
 from .handles import best_reading
 from .parameters import Parameters
 from .partial.coverage import Coverage
-from .partial.decision import coverage_of_pair
-from .partial.matches import boundary_length
-from .partial.part import PartMatch, match_part
+from .partial.decision import choose_coverage
+from .partial.part import PartMatch, locate_parts
 from .pieces.main_pair import choose_main_pair
 from .pieces.search import PieceSearch, without_preparation
 from .pieces.whole import with_all_pieces
@@ -248,27 +247,21 @@ def align(
     """
     if settings.proposal != "guided":
         return Outcome(votes, Coverage.WHOLE)
-    part, notes = match_part(
+    constants = parameters.alignment
+    votes, candidates = alignments_with_landmarks(source, target, votes, settings, constants, constraints)
+    alignments = rerank_by_registration(source, target, candidates, constants, settings.jobs)
+    parts = locate_parts(
         source,
         target,
         parameters.partial,
-        parameters.alignment.registration,
+        constants.registration,
         settings.seed,
         settings.jobs,
         constraints,
-        parameters.alignment.voting,
+        constants.voting,
     )
-    candidates: list[Alignment] = []
-    if part is None or boundary_length(part.whole) > parameters.partial.opening:
-        votes, candidates = alignments_with_landmarks(
-            source, target, votes, settings, parameters.alignment, constraints
-        )
-    alignments = rerank_by_registration(source, target, candidates, parameters.alignment, settings.jobs)
-    chosen = alignments[0] if alignments else None
-    coverage, notes = coverage_of_pair(source, target, part, notes, chosen, parameters.partial, parameters.alignment)
-    if coverage is Coverage.PART:
-        return Outcome(votes, coverage, part=part, notes=notes)
-    return Outcome(votes, coverage, alignments, notes=notes)
+    coverage, part, notes = choose_coverage(source, target, parts, alignments, parameters.partial, constants)
+    return Outcome(votes, coverage, [] if part else alignments, part, notes)
 
 
 def read_matches(

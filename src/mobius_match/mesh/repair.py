@@ -66,7 +66,7 @@ def repair(mesh: Mesh, parameters: RepairParameters = RepairParameters()) -> Mes
     rows, table, more = _separate(mesh, faces, kept, table)
     faces, kept, notes = faces[rows], kept[rows], [*notes, *more]
 
-    faces, origin, more, table = join_and_cut(faces, twin, table)
+    faces, origin, more, table = join_and_cut(mesh.vertices, faces, twin, table)
     vertices = mesh.vertices[origin]
     notes += more
 
@@ -144,7 +144,7 @@ def _cut_one_sided(
     if not cuts:
         return faces, origin, notes, table
     cut = cut_edges(table, np.concatenate(cuts))
-    faces, own, _, table = join_and_cut(faces, np.arange(len(origin)), cut)
+    faces, own, _, table = join_and_cut(mesh.vertices[origin], faces, np.arange(len(origin)), cut)
     return faces, origin[own], notes, table
 
 

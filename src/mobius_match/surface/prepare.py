@@ -31,7 +31,7 @@ from .flattening import choose_cut_face, flatten, vertex_positions
 from .handles import handle_readings
 from .parameters import SurfaceParameters
 from .prepared import check_effective
-from .sampling import proxy_points, sample_points
+from .sampling import proxy_points, sample_points, straightness
 from .simplified import beside_envelope, simplified
 from .storage import ENDING
 from .surface import Surface
@@ -200,6 +200,17 @@ def _prepare(
     else:
         solver = geodesic_solver(vertices, mesh.faces, settings.geodesics)
     samples = sample_points(triangulation, solver, settings.samples, parameters)
+    if (
+        settings.geodesics == "heat"
+        and straightness(vertices[samples.vertices], samples) < parameters.least_straightness
+    ):
+        # Heat takes long thin faces, which no flip improves, for shortcuts.
+        warnings.append(
+            "has faces so long and thin that distances by the heat method were shorter than straight lines; shortest "
+            "paths along edges were used instead"
+        )
+        solver = geodesic_solver(vertices, mesh.faces, "dijkstra")
+        samples = sample_points(triangulation, solver, settings.samples, parameters)
     if not np.isfinite(samples.distances).all():
         raise MeshError(f"{mesh.name}: geodesic distances could not be computed; check the mesh for sliver triangles")
     if len(samples.vertices) < settings.samples:

@@ -9,6 +9,7 @@ from scipy.spatial import cKDTree
 
 from .._core.display import one_line
 from ..errors import MeshError
+from ..geometry.normals import vertex_normals
 from ..geometry.points import SurfacePoints, closest_points
 from ..mesh import Mesh, require_matchable
 from ..mesh.measure import unit_box
@@ -41,12 +42,27 @@ class Detail:
         """Where the user's vertices (n,) lie on the simplified mesh: ``places(simple).values(x)`` carries x to them."""
         return SurfacePoints(self.faces, simple.faces[self.faces], self.barycentric)
 
-    def lifted(self, simple: Mesh, points: SurfacePoints) -> SurfacePoints:
-        """Points of the simplified mesh (q,) as points of the user's, next to them."""
+    def lifted(self, simple: Mesh, points: SurfacePoints, heights: np.ndarray | None = None) -> SurfacePoints:
+        """Points of the simplified mesh (q,) as points of the user's, next to them, or at a height (q,) above them."""
+        positions = points.values(simple.vertices)
+        if heights is not None:
+            positions = positions + heights[:, None] * _unit_normals(simple, points)
         # The box keeps squares far from overflow, whatever the units of the file.
-        both = unit_box(np.concatenate([self.mesh.vertices, points.values(simple.vertices)]))
+        both = unit_box(np.concatenate([self.mesh.vertices, positions]))
         n = len(self.mesh.vertices)
-        return closest_points(both[:n], self.mesh.faces, both[n:], self.kept[points.nearest])
+        near = self.kept[points.nearest] if heights is None else cKDTree(both[:n]).query(both[n:])[1]
+        return closest_points(both[:n], self.mesh.faces, both[n:], near)
+
+    def heights(self, simple: Mesh) -> np.ndarray:
+        """How far the user's vertices (n,) lie outside of an envelope, in the units of the mesh; mostly negative."""
+        places = self.places(simple)
+        arms = self.mesh.vertices - places.values(simple.vertices)
+        return np.asarray((arms * _unit_normals(simple, places)).sum(axis=1))
+
+
+def _unit_normals(mesh: Mesh, points: SurfacePoints) -> np.ndarray:
+    normals = points.values(vertex_normals(unit_box(mesh.vertices), mesh.faces))
+    return normals / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), np.finfo(float).tiny)
 
 
 def simplified(mesh: Mesh, count: int, ratio: float) -> tuple[Mesh, Detail | None]:

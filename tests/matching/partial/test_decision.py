@@ -1,6 +1,6 @@
 """Open surfaces: wholes, parts, or neither. A cut through a larger shape is no edge of a disc."""
 
-from dataclasses import dataclass
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -9,61 +9,37 @@ import mobius_match as mm
 from mobius_match.matching.parameters import Parameters
 from mobius_match.matching.partial import decision
 from mobius_match.matching.partial.coverage import Coverage
-from mobius_match.matching.partial.decision import coverage_of_pair, rim_gap
-from mobius_match.registration.sparse import register
 from tests.shapes import bent, cap, disc, grid, icosphere, rotation
 
 PARAMETERS = Parameters()
 
 
-@dataclass
-class Chosen:
-    """An alignment whose map has a known cost."""
-
-    cost: float
-
-    def registered(self, source, target, parameters):
-        return self
-
-
 @pytest.mark.parametrize(
-    ("cost", "part", "fits", "coverage"),
+    ("as_part", "as_whole", "cost", "expected"),
     [
-        (None, True, False, Coverage.PART),
-        (None, False, False, Coverage.WHOLE),
-        (1.1, True, False, Coverage.PART),
-        (1.1, True, True, Coverage.WHOLE),
-        (0.9, True, False, Coverage.WHOLE),
-        (3.4, False, False, Coverage.WHOLE),
-        (3.6, False, False, Coverage.BOTH_INCOMPLETE),
+        (0.05, 0.11, 1.0, Coverage.PART),
+        (0.05, 0.09, 1.0, Coverage.WHOLE),
+        (0.05, 0.09, 3.6, Coverage.BOTH_INCOMPLETE),
+        (0.05, 0.11, 3.6, Coverage.PART),
     ],
 )
-def test_coverage_of_two_surfaces_with_large_openings(monkeypatch, cost, part, fits, coverage):
-    """By the cost of the map that they are registered along as wholes."""
-    monkeypatch.setattr(decision, "registered_map_cost", lambda source, target, registration, _: registration.cost)
-    monkeypatch.setattr(decision, "fit_as_wholes", lambda *_: fits)
-    sheet, ball = mm.prepare(bent(grid(16, 13))), mm.prepare(icosphere(2))
-    part_match, alignment = object() if part else None, None if cost is None else Chosen(cost)
+def test_coverage_of_two_surfaces_with_large_openings(monkeypatch, as_part, as_whole, cost, expected):
+    """By the error of distances; as wholes by the cost of the map that they are registered along."""
+    sheet, match = mm.prepare(bent(grid(16, 13))), object()
+    located = SimpleNamespace(match=lambda: match)
+    monkeypatch.setattr(decision, "part_error", lambda _: as_part)
+    monkeypatch.setattr(decision, "whole_error", lambda *_: as_whole)
+    monkeypatch.setattr(decision, "part_notes", lambda _, compared: [compared])
+    monkeypatch.setattr(decision, "registered_map_cost", lambda *_: cost)
+    alignment = SimpleNamespace(registered=lambda *_: object())
     constants = PARAMETERS.partial, PARAMETERS.alignment
-    found, notes = coverage_of_pair(sheet, sheet, part_match, ["a part"], alignment, *constants)
-    assert found is coverage
-    assert notes[:1] == ([] if part and coverage is Coverage.WHOLE else ["a part"])
-    assert any("both have large openings" in note for note in notes) == (coverage is Coverage.BOTH_INCOMPLETE)
-    if not part:
-        assert coverage_of_pair(sheet, ball, None, [], alignment, *constants) == (Coverage.WHOLE, [])
-
-
-def test_the_gap_between_rims():
-    arrays = cap(0)
-    surface, inside = mm.prepare(arrays), arrays[1][(np.abs(arrays[0][arrays[1], :2]) < 0.6).all(axis=(1, 2))]
-    used = np.unique(inside)
-    smaller = mm.prepare((arrays[0][used], np.searchsorted(used, inside)))
-    constants = PARAMETERS.alignment.registration
-    same = register(surface, surface, surface.proxy, constants)
-    assert rim_gap(surface, surface, same) < 0.02
-    within = register(smaller, surface, used[smaller.proxy], constants, whole=False)
-    assert rim_gap(smaller, surface, within) > 0.1
-    assert rim_gap(surface, mm.prepare(icosphere(2)), same) == np.inf
+    coverage, found, notes = decision.choose_coverage(sheet, sheet, [located], [alignment], *constants)
+    assert coverage is expected
+    assert found is (match if expected is Coverage.PART else None)
+    assert f"error of distances {as_whole:.3f} as wholes, 0.050 as a part" in notes[0]
+    assert any("both have large openings" in note for note in notes) == (expected is Coverage.BOTH_INCOMPLETE)
+    ball = mm.prepare(icosphere(2))
+    assert decision.choose_coverage(sheet, ball, [], [alignment], *constants) == (Coverage.WHOLE, None, [])
 
 
 @pytest.fixture(scope="module")
@@ -81,7 +57,7 @@ def displacements(pairs, kept=None):
 def test_two_discs_of_other_sizes_are_not_parts_of_each_other(source, size, bend):
     vertices, faces = cap(1, bend=bend)
     result = mm.match(source, (size * vertices @ rotation(2), faces))
-    assert result.warnings == ()
+    assert not any("partial" in warning for warning in result.warnings)
     assert len(result.pairs) > 500
     assert displacements(result.pairs).mean() < 0.05
     dense = result.dense().vertex_map

@@ -1,6 +1,5 @@
 """Halves of the shipped bodies, matched with whole ones: right, and nothing on what is missing."""
 
-import re
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from types import SimpleNamespace
@@ -14,11 +13,12 @@ from mobius_match.geometry.directions import directions
 from mobius_match.geometry.geodesics import geodesic_solver
 from mobius_match.geometry.normals import vertex_normals
 from mobius_match.matching.partial.agreement import BATCH, Paths, agreement, differences, match_by_distances
+from mobius_match.matching.partial.decision import part_notes
 from mobius_match.matching.partial.locate import Placement
 from mobius_match.matching.partial.matches import match_probabilities, probability, support
 from mobius_match.matching.partial.pair import PartPair
 from mobius_match.matching.partial.parameters import PartialParameters
-from mobius_match.matching.partial.part import is_part, match_part
+from mobius_match.matching.partial.part import locate_parts
 from mobius_match.mesh.topology import components
 from mobius_match.registration.parameters import RegistrationParameters
 from mobius_match.registration.sparse import register
@@ -109,12 +109,13 @@ def test_half_to_its_own_whole(half):
 
 @pytest.mark.parametrize("factor", [1.25, 1000.0], ids=["a quarter larger", "in other units"])
 def test_half_of_another_size(wholes, factor):
-    """Found all the same, and the note says how large."""
+    """Found all the same, and the size is known."""
     whole, other = wholes["quadruped"]
     vertices, faces, kept = cut(whole.mesh.vertices, whole.mesh.faces, None, -1.0)
     part = mm.prepare((factor * vertices, faces))
-    places, notes = match_part(part, other, PARAMETERS, REGISTRATION, 0)
-    assert float(re.search(r"\(scale (\S+)\)", notes[0])[1]) == pytest.approx(1 / factor, rel=0.06)
+    (located,) = locate_parts(part, other, PARAMETERS, REGISTRATION, 0)
+    assert located.size == pytest.approx(1 / factor, rel=0.06)
+    places = located.match()
     sure = places.match_probabilities >= 0.5
     assert sure.sum() >= 50
     true = true_places("quadruped", False, other)[kept[part.samples[sure]]]
@@ -267,15 +268,53 @@ def test_a_close_choice_is_reported():
     """Half a vase, cut along its axis, fits it all around, but for its triangles."""
     half = cut(*vase(37), 0, 1.0)
     parameters = replace(PARAMETERS, close_margin=0.3)
-    _, notes = match_part(mm.prepare(half[:2]), mm.prepare(vase(40)), parameters, REGISTRATION, 0)
+    (located,) = locate_parts(mm.prepare(half[:2]), mm.prepare(vase(40)), parameters, REGISTRATION, 0)
+    notes = part_notes(located, "")
     assert any("almost as well (margin 0." in note and "below 0.3 is close" in note for note in notes)
 
 
 @pytest.mark.parametrize("name", examples.names())
-def test_whole_surfaces_are_no_parts(name, wholes):
+def test_closed_surfaces_are_no_parts(name, wholes):
     first, second = wholes[name]
-    assert not is_part(first, second, PARAMETERS) and not is_part(second, first, PARAMETERS)
-    assert match_part(first, second, PARAMETERS, REGISTRATION, 0) == (None, [])
+    assert locate_parts(first, second, PARAMETERS, REGISTRATION, 0) == []
+
+
+def punched(surface, share, number=4, seed=0):
+    """A mesh with round holes apart from each other, of that share of the faces in total; all vertices are left."""
+    vertices, faces = surface.mesh.vertices, surface.mesh.faces
+    centres = vertices[surface.samples[np.random.default_rng(seed).permutation(20)[:number]]]
+    distances = np.linalg.norm(vertices[faces].mean(axis=1)[:, None] - centres, axis=2)
+    nearest = np.argsort(distances, axis=0)[: round(share * len(faces) / number)]
+    return vertices, np.delete(faces, np.unique(nearest), axis=0)
+
+
+@pytest.mark.parametrize(("share", "factor", "reverse"), [(0.004, 1000.0, False), (0.018, 0.6, True)])
+def test_a_shape_with_holes_is_a_whole(wholes, share, factor, reverse):
+    """In other units, the source or the target: as many matches as without holes, and nearly the same ones."""
+    first, second = wholes["person"]
+    vertices, faces = punched(second, share)
+    holes = mm.prepare((factor * vertices, faces))
+    result = mm.match(holes, first) if reverse else mm.match(first, holes)
+    clean = mm.match(second, first) if reverse else mm.match(first, second)
+    assert len(result) >= 0.95 * len(clean)
+    target = first if reverse else second
+    places = true_places("person", reverse, target)[result.pairs[:, 0]]
+    assert right(target, result.pairs[:, 1], places) >= 0.98
+    before = dict(clean.pairs.tolist())
+    common = [(before[one], other) for one, other in result.pairs.tolist() if one in before]
+    apart = np.linalg.norm(np.diff(target.mesh.vertices[np.array(common)], axis=1), axis=2)
+    assert len(common) >= 0.2 * len(clean)  # the proxy of each is drawn by its own area
+    assert (apart <= NEAR * target.diameter).mean() >= 0.98
+
+
+def test_units_change_no_match(wholes):
+    """A power of two changes no bit; for other factors a distance may be rounded the other way."""
+    whole, other = wholes["quadruped"]
+    vertices, faces, _ = cut(whole.mesh.vertices, whole.mesh.faces, None, -1.0)
+    pairs, exact, rounded = (mm.match((factor * vertices, faces), other).pairs for factor in (1.0, 1024.0, 1000.0))
+    np.testing.assert_array_equal(exact, pairs)
+    common = set(map(tuple, rounded.tolist())) & set(map(tuple, pairs.tolist()))
+    assert len(common) >= 0.7 * max(len(pairs), len(rounded))
 
 
 def test_a_part_of_nothing_there():
@@ -283,8 +322,9 @@ def test_a_part_of_nothing_there():
     whole = mm.prepare(lump())
     sheet, squares = bent(grid(16, 13))
     part = mm.prepare((sheet * np.sqrt(whole.area / 9 / 260), squares))
-    places, notes = match_part(part, whole, PARAMETERS, REGISTRATION, 0)
-    assert "fits nowhere well" in notes[0]
+    (located,) = locate_parts(part, whole, PARAMETERS, REGISTRATION, 0)
+    assert "fits nowhere well" in part_notes(located, "")[0]
+    places = located.match()
     assert (places.match_probabilities < 0.5).all()
     with pytest.raises(mm.NothingFoundError, match="no match is likely enough"):
         mm.match(part, whole)

@@ -1,8 +1,12 @@
-"""How much of each other two surfaces cover."""
+"""How much of each other two surfaces cover, and which of them may be a part of the other one."""
 
 from __future__ import annotations
 
 from enum import Enum
+
+from ...surface.surface import Surface
+from .openings import openings
+from .parameters import PartialParameters
 
 
 class Coverage(Enum):
@@ -16,3 +20,11 @@ class Coverage(Enum):
 
     BOTH_INCOMPLETE = "both incomplete"
     """Each of them may lack a part that the other one has."""
+
+
+def may_be_part(surface: Surface, parameters: PartialParameters) -> bool:
+    """Whether a surface may be a part of another one: one of its rims is long.
+
+    How many small holes it has tells nothing, nor does its size in the file. It may be a whole surface all the same.
+    """
+    return openings(surface).longest > parameters.opening

@@ -1,42 +1,43 @@
-"""Whether two surfaces correspond as wholes, one is a part of the other, or each lacks something."""
+"""Whether two surfaces correspond as wholes, one is a part of the other, or each lacks something.
+
+A surface with a long rim may be a part, a whole with a hole, or a disc. All readings are tried, and compared by one
+error of distances.
+"""
 
 from __future__ import annotations
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from ...alignments.alignment import Alignment
 from ...alignments.cost import registered_map_cost
 from ...alignments.parameters import AlignmentParameters
-from ...registration.parameters import RegistrationParameters
+from ...geometry.geodesics import geodesic_solver
 from ...registration.sparse import Registration
 from ...surface.surface import Surface
-from .coverage import Coverage
-from .matches import boundary_length
-from .pair import PartPair
+from .coverage import Coverage, may_be_part
+from .openings import openings
 from .parameters import PartialParameters
-from .part import PartMatch
+from .part import Located, PartMatch
 
 
-def coverage_of_pair(
+def choose_coverage(
     source: Surface,
     target: Surface,
-    part_match: PartMatch | None,
-    notes: list[str],
-    alignment: Alignment | None,
+    parts: list[Located],
+    alignments: list[Alignment],
     parameters: PartialParameters,
     of_alignment: AlignmentParameters,
-) -> tuple[Coverage, list[str]]:
-    """Decide between a match of wholes and a match of a part, once the surfaces have been registered as wholes.
+) -> tuple[Coverage, PartMatch | None, list[str]]:
+    """Decide between a match of wholes and a match of a part.
 
     Parameters
     ----------
     source, target
         The surfaces.
-    part_match, notes
-        The result of :func:`.part.match_part`.
-    alignment
-        The alignment of the two as wholes that was chosen; None if there is none.
+    parts
+        The result of :func:`locate_parts`.
+    alignments
+        Of the two as wholes, the chosen one first, which is registered; or none.
     parameters, of_alignment
         Constants of the method.
 
@@ -44,65 +45,83 @@ def coverage_of_pair(
     -------
     coverage
         How much of each other the surfaces cover.
+    part_match
+        If one of them is a part, where it lies.
     notes
         What the user should know about it, a line each.
     """
-    both_open = min(boundary_length(source), boundary_length(target)) > parameters.opening
-    if alignment is None or not both_open:
-        return (Coverage.WHOLE if part_match is None else Coverage.PART), notes
-    registration = alignment.registered(source, target, of_alignment)
-    cost = registered_map_cost(source, target, registration, of_alignment.cost)
-    if part_match is not None:
-        whole = cost < parameters.same_cost or fit_as_wholes(
-            source, target, registration, part_match, parameters, of_alignment.registration
+    open_ones = [one.mesh.name for one in (source, target) if may_be_part(one, parameters)]
+    notes = []
+    registration = alignments[0].registered(source, target, of_alignment) if alignments and open_ones else None
+    if parts:
+        errors = [part_error(one) for one in parts]
+        best = int(np.argmin(errors))
+        as_whole = np.inf if registration is None else whole_error(source, target, registration, parameters)
+        compared = f"error of distances {as_whole:.3f} as wholes, {errors[best]:.3f} as a part"
+        if as_whole > parameters.part_advantage * errors[best]:
+            return Coverage.PART, parts[best].match(), part_notes(parts[best], compared)
+        notes.append(f"{' and '.join(open_ones)}: matched as a whole in spite of the openings ({compared})")
+    if registration is None or len(open_ones) < 2:
+        return Coverage.WHOLE, None, notes
+    if registered_map_cost(source, target, registration, of_alignment.cost) > parameters.incomplete_cost:
+        notes.append(
+            f"{source.mesh.name} and {target.mesh.name} both have large openings and differ as wholes: where each "
+            f"lacks a part of the other, matches are wrong; all confidences were reduced"
         )
-        return (Coverage.WHOLE, []) if whole else (Coverage.PART, notes)
-    if cost <= parameters.incomplete_cost:
-        return Coverage.WHOLE, notes
-    return Coverage.BOTH_INCOMPLETE, [
-        *notes,
-        f"{source.mesh.name} and {target.mesh.name} both have large openings and differ as wholes: where each lacks a "
-        f"part of the other, matches are wrong; all confidences were reduced",
+        return Coverage.BOTH_INCOMPLETE, None, notes
+    return Coverage.WHOLE, None, notes
+
+
+def part_notes(located: Located, compared: str) -> list[str]:
+    """What the user should know about a match of a part."""
+    name, other = located.pair.part.mesh.name, located.pair.whole.mesh.name
+    placement, constants = located.placement, located.pair.parameters
+    notes = [
+        f"{name} has large openings and was treated as a partial scan of {other} (scale {located.size:.3g}), with "
+        f"{located.share:.0%} of its area ({compared})"
     ]
+    if placement.cost > constants.credible_cost:
+        notes[0] += "; it fits nowhere well, so few matches are likely enough"
+    if placement.margin <= constants.close_margin:
+        notes.append(
+            f"ambiguous: {name} fits another region of {other} almost as well (margin {placement.margin:.2f}; below "
+            f"{constants.close_margin} is close). Check the matches with 'mobius view'"
+        )
+    if may_be_part(located.pair.whole, constants):
+        notes.append(f"{other} has large openings, too: a region that only one of the two has may be matched wrongly")
+    return notes
 
 
-def fit_as_wholes(
-    source: Surface,
-    target: Surface,
-    wholes: Registration,
-    part_match: PartMatch,
-    parameters: PartialParameters,
-    registration: RegistrationParameters,
-) -> bool:
-    """Whether two open surfaces fit each other as wholes, rim on rim, at least as well as one fits as a part.
+def part_error(located: Located) -> float:
+    """:func:`distance_error` of taking one surface for a part of the other one."""
+    pair, image = located.pair, located.placement.registration.image
+    return distance_error(pair.part.normalized_distances, pair.whole, image[pair.samples1], pair.parameters)
 
-    Two discs of similar shape are not parts of each other because one of them is smaller in its file. So the source,
-    registered as a whole, is measured by the same cost, at the size at which both have the same area.
+
+def whole_error(source: Surface, target: Surface, registration: Registration, parameters: PartialParameters) -> float:
+    """:func:`distance_error` of taking two surfaces for wholes: of the same area, once their openings are closed."""
+    areas = [1 + openings(one).missing for one in (source, target)]
+    image = registration.image[np.searchsorted(source.proxy, source.samples)]
+    distances = source.normalized_distances * np.sqrt(areas[1] / areas[0])
+    return distance_error(distances, target, image, parameters)
+
+
+def distance_error(here: np.ndarray, target: Surface, image: np.ndarray, parameters: PartialParameters) -> float:
+    """Mean absolute logarithm of the ratio of distances between samples and between their images.
 
     Parameters
     ----------
-    source, target, wholes
-        The surfaces, and the source registered to the target.
-    part_match
-        The place of one of them as a part of the other.
-    parameters, registration
-        Constants of the method, and of registration.
+    here
+        (N1, N1) distances between the samples, per sqrt(area) of the target at the size that is assumed.
+    target
+        The other surface.
+    image
+        (N1,) vertices of the target.
+    parameters
+        Constants of the method.
     """
-    if rim_gap(source, target, wholes) > parameters.rim_gap:
-        return False
-    size = float(target.scale / source.scale)
-    return PartPair(source, target, parameters, registration).scaled(size).cost(wholes) <= part_match.cost
-
-
-def rim_gap(source: Surface, target: Surface, registration: Registration) -> float:
-    """How far apart the rims of two surfaces lie where one is registered to the other, per sqrt(area).
-
-    The mean distance in space of the source's rim from the target's, or that of the target's from the source's,
-    whichever is larger: a rim may coincide with a piece of a longer one. Infinite if one of the surfaces is closed.
-    """
-    if not (len(source.rim) and len(target.rim)):
-        return np.inf
-    here = registration.positions[np.unique(source.nearest_proxy[source.rim])]
-    there = target.mesh.vertices[np.unique(target.rim)]
-    gaps = (cKDTree(one).query(other)[0].mean() for one, other in ((here, there), (there, here)))
-    return float(max(gaps) / target.scale)
+    mesh, softening = target.mesh, parameters.landmark_distance
+    solve = geodesic_solver(mesh.vertices / target.scale, mesh.faces, target.settings.geodesics)
+    there = np.stack([solve(int(vertex))[image] for vertex in image])
+    ratios = np.log((here + softening) / ((there + there.T) / 2 + softening))
+    return float(np.abs(ratios[np.triu_indices(len(image), 1)]).mean())

@@ -12,15 +12,10 @@ from ...geometry.points import SurfacePoints, closest_points
 from ...registration.features import oriented_points
 from ...registration.strain import edge_strain
 from ...surface.surface import Surface
+from .coverage import may_be_part
 from .locate import Placement
 from .pair import PartPair
 from .parameters import PartialParameters
-
-
-def boundary_length(surface: Surface) -> float:
-    """Length of the boundary per sqrt(area)."""
-    ends = surface.mesh.vertices[surface.open_edges]
-    return float(np.linalg.norm(ends[:, 0] - ends[:, 1], axis=1).sum() / np.sqrt(surface.area))
 
 
 def distance_to_boundary(surface: Surface, points: np.ndarray) -> np.ndarray:
@@ -67,7 +62,7 @@ def match_probabilities(pair: PartPair, placement: Placement) -> np.ndarray:
     """The probability (P1,) that the image of each vertex of the part's proxy is right; 0 near a cut."""
     found, constants = features(pair, placement), pair.parameters
     inside = found["boundary"] >= constants.boundary_margin
-    if boundary_length(pair.whole) > constants.opening:  # what the whole lacks is pressed against its boundary
+    if may_be_part(pair.whole, constants):  # what the whole lacks is pressed against its boundary
         positions = placement.registration.positions
         inside &= distance_to_boundary(pair.whole, positions) >= constants.boundary_margin
     likely = probability(found, constants, pair.registration.confidence.floor)

@@ -11,25 +11,19 @@ SCRIPT = "fitted by `benchmarks/fit_partial.py`"
 
 @dataclass(frozen=True)
 class PartialParameters:
-    """Constants of :func:`mobius_match.matching.partial.part.match_part`.
+    """Constants of :func:`mobius_match.matching.partial.part.locate_parts`.
 
     Lengths are per sqrt(area) of the whole, once the part has its size on it.
     """
 
-    # Which surfaces may be parts.
+    # Which surfaces may be parts, and how large they are then.
     opening: float = parameter(
-        0.15, "length of the boundary above which a surface has large openings", unit=AREA, origin=HAND
-    )
-    largest_share: float = parameter(
-        0.97, "share of the whole's area above which a surface with large openings is a whole itself", origin=HAND
+        0.15, "length of a rim above which a surface may be a part, per sqrt(area) of its own", origin=HAND
     )
     smallest_share: float = parameter(
-        0.1, "share of the whole's area below which a part is not looked for at that size", origin=HAND
+        0.1, "share of the whole's area below which a part is not looked for", origin=HAND
     )
     size_step: float = parameter(1.2, "ratio of one size of the part that is tried to the next", origin=HAND)
-    size_penalty: float = parameter(
-        0.03, "share by which a size has to fit better for each step from the size in the file", origin=HAND
-    )
 
     # Triplets of samples.
     allowed_share: float = parameter(
@@ -79,17 +73,10 @@ class PartialParameters:
 
     # Part or whole.
     credible_cost: float = parameter(1.95, "cost above which the part does not belong to the whole", origin=HAND)
-    forced_share: float = parameter(
-        0.75, "share of the area of a closed whole up to which a part is matched as one at any cost", origin=HAND
-    )
-    same_cost: float = parameter(
-        1.0, "cost of a map between two surfaces with openings below which they correspond as wholes", origin=HAND
-    )
-    rim_gap: float = parameter(
-        0.1,
-        "mean distance between the rims of two surfaces up to which they coincide",
-        unit=AREA,
-        origin="the distance between 100 samples",
+    part_advantage: float = parameter(
+        2.0,
+        "a surface is taken for a part where distances disagree so many times as much between the wholes",
+        origin=HAND,
     )
     incomplete_factor: float = parameter(
         0.5, "confidence is multiplied by this where each surface may lack what the other has", origin=HAND
