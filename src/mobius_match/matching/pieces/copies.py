@@ -18,7 +18,7 @@ NEARER = 0.05
 """Weight of the distance from where a piece was carried, against the distance that is left between the two pieces."""
 
 
-def laid_on(source: Mesh, target: Mesh, start: np.ndarray, normal: float) -> tuple[SurfaceMap, float]:
+def laid_on(source: Mesh, target: Mesh, start: np.ndarray, normal: float) -> SurfaceMap:
     """The map that lays one piece onto another one, from where it has been carried.
 
     Parameters
@@ -34,8 +34,6 @@ def laid_on(source: Mesh, target: Mesh, start: np.ndarray, normal: float) -> tup
     -------
     SurfaceMap
         The map: each vertex to the closest point of the other piece, once they lie on each other.
-    float
-        Mean distance of vertices from their closest vertices on the other piece, over the target's size.
     """
     size = size_of(target.vertices)
     there, normals = target.vertices / size, vertex_normals(target.vertices / size, target.faces)
@@ -54,8 +52,17 @@ def laid_on(source: Mesh, target: Mesh, start: np.ndarray, normal: float) -> tup
     near, back = cKDTree(second).query(first)[1], cKDTree(first).query(second)[1]
     points = closest_points(there, target.faces, best, near)
     back_points = closest_points(best, source.faces, there, back)
-    dense = SurfaceMap(source, target, points, back_points, np.ones(len(best), bool), np.ones(len(there), bool))
-    return dense, least
+    return SurfaceMap(source, target, points, back_points, np.ones(len(best), bool), np.ones(len(there), bool))
+
+
+def laid_positions(source: Mesh, target: Mesh, start: np.ndarray, normal: float) -> np.ndarray:
+    """Positions (n1, 3) of the source as a similar copy on the target, from where it has been carried."""
+    size = size_of(target.vertices)
+    there, normals = target.vertices / size, vertex_normals(target.vertices / size, target.faces)
+    rest, carried = source.vertices / size_of(source.vertices), start / size
+    begins = carried, carried - carried.mean(axis=0) + there.mean(axis=0)
+    laid = [_closest_copy(rest, source.faces, begin, there, normals, normal) for begin in begins]
+    return min(laid, key=lambda one: one[1])[0] * size
 
 
 def _along_axes(rest: np.ndarray, there: np.ndarray) -> list[np.ndarray]:

@@ -13,6 +13,7 @@ from ...mesh import Mesh
 from ...results.correspondence import Correspondence
 from ...settings import WHICH_PIECES
 from ...surface.surface import Surface
+from .maps import best_map
 from .search import PiecePair, PieceSearch, map_cost, surfaces_of
 from .sides import Side
 
@@ -29,17 +30,25 @@ def arrangement_error(pairs: list[PiecePair]) -> float:
     The root mean square deviation of images from the similarity without reflection that fits best, over that of the
     images from their centre.
     """
+    rows = [np.flatnonzero(pair.dense.source_mapped) for pair in pairs]
+    rows = [some[:: max(len(some) // POINTS, 1)] for some in rows]
+    there = np.concatenate([pair.dense.positions[some] for pair, some in zip(pairs, rows, strict=True)])
+    arranged = np.concatenate([one[some] for one, some in zip(_arranged(pairs), rows, strict=True)])
+    spread = np.linalg.norm(there - there.mean(axis=0), axis=1)
+    deviation = np.linalg.norm(arranged - there, axis=1)
+    return float(np.sqrt((deviation**2).mean() / max((spread**2).mean(), np.finfo(float).tiny)))
+
+
+def _arranged(pairs: list[PiecePair]) -> list[np.ndarray]:
+    """Where the vertices of each source piece go by the one similarity that fits the maps of all pieces best."""
     before, after = [], []
     for pair in pairs:
-        dense = pair.dense
-        rows = np.flatnonzero(dense.source_mapped)
+        rows = np.flatnonzero(pair.dense.source_mapped)
         rows = rows[:: max(len(rows) // POINTS, 1)]
-        before.append(dense.source.vertices[rows])
-        after.append(dense.target_points[rows].values(dense.target.vertices))
+        before.append(pair.dense.source.vertices[rows])
+        after.append(pair.dense.positions[rows])
     here, there = np.concatenate(before), np.concatenate(after)
-    spread = np.linalg.norm(there - there.mean(axis=0), axis=1)
-    deviation = np.linalg.norm(similarity(here, there) - there, axis=1)
-    return float(np.sqrt((deviation**2).mean() / max((spread**2).mean(), np.finfo(float).tiny)))
+    return [similarity(here, there, apply_to=pair.dense.source.vertices) for pair in pairs]
 
 
 def choose_main_pair(
@@ -79,6 +88,10 @@ def choose_main_pair(
     best = _best_assignment(list(prepared[0]), list(prepared[1]), pairs, costs)
     if not best:
         return None
+    best = [
+        _with_best_map(pair, prepared[0][pair.source], prepared[1][pair.target], carried, search)
+        for pair, carried in zip(best, _arranged(best), strict=True)
+    ]
     main, *rest = sorted(best, key=lambda pair: -sides[0].pieces.areas[pair.source])
     if main.result is None:
         return None
@@ -100,9 +113,17 @@ def choose_main_pair(
         source_info=source.info,
         target_info=target.info,
         warnings=(*main.result.warnings, *notes),
-        _make_dense=main.result.dense,
+        _make_dense=lambda: main.dense,
     )
     return result, rest
+
+
+def _with_best_map(
+    pair: PiecePair, first: Surface, second: Surface, carried: np.ndarray, search: PieceSearch
+) -> PiecePair:
+    """The pair, with a better map if there is one near where the arrangement of all pieces has it."""
+    dense, result = best_map(first, second, carried, pair.result, search)
+    return pair if result is None else replace(pair, dense=dense, result=result)
 
 
 def with_others(surface: Surface, others: Mesh | None) -> Surface:

@@ -50,6 +50,11 @@ class PieceSearch:
         """As in :func:`.riding.map_of_all_pieces`: as many as the proxy of a surface has."""
         return self.surface.proxy_size
 
+    @property
+    def normal(self) -> float:
+        """Weight of normals against positions where closest points are searched, as in dense registration."""
+        return self.alignment.registration.dense_normal
+
     def prepare(self, mesh: Mesh, settings: PrepareSettings) -> Surface:
         """The surface of one piece."""
         return prepare_mesh(mesh, settings, parameters=self.surface)

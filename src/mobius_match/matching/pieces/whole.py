@@ -7,6 +7,7 @@ from functools import cache
 from typing import Any
 
 import numpy as np
+from threadpoolctl import threadpool_limits
 
 from ...geometry.points import SurfacePoints
 from ...mesh import Mesh
@@ -39,7 +40,8 @@ def with_all_pieces(result: Correspondence, known: list[PiecePair], search: Piec
     source, target = sides
     partners = list[PiecePair]()
     if search.settings.proposal == "guided" and all(others):
-        partners = find_partners(source, target, result.dense(), known, search)
+        with threadpool_limits(limits=1, user_api="blas"):  # sums must not depend on the number of processors
+            partners = find_partners(source, target, result.dense(), known, search)
     main = result.dense  # of the result without the others
 
     @cache
