@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import mobius_match as mm
-from mobius_match.matching.partial.matches import boundary_length
+from mobius_match.matching.partial.openings import openings
 from mobius_match.mesh.handles import number_of_handles
 from tests.shapes import bumpy_torus, lump, mug, renumbered, snake, torus, with_handle
 
@@ -149,7 +149,7 @@ def test_rims_of_a_cut_are_no_openings():
     """A torus of one thickness is closed, cut or not; a tube of the same shape is open."""
     surface = mm.prepare(torus(around=24, across=12), samples=20)
     assert len(surface.mesh.vertices) == 24 * 12 + 12
-    assert boundary_length(surface) == 0
+    assert openings(surface).longest == 0
 
 
 def test_a_hole_in_a_surface_with_a_handle_is_its_only_opening():
@@ -158,7 +158,7 @@ def test_a_hole_in_a_surface_with_a_handle_is_its_only_opening():
     hole = np.isin(faces, faces[0]).any(axis=1)
     for resolution in (8000, 500):
         surface = mm.prepare((vertices, faces[~hole]), samples=20, resolution=resolution)
-        lengths = [boundary_length(reading) for reading in surface.readings]
+        lengths = [openings(reading).longest for reading in surface.readings]
         assert len(surface.mesh.vertices) < 600 or resolution == 8000
         assert lengths == pytest.approx([reading.rim_length for reading in surface.readings])
         assert 0.2 < lengths[0] < 0.4  # two rims of the cut would add 1.1

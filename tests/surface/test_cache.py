@@ -141,9 +141,9 @@ def test_a_mesh_that_changes_while_it_is_read_is_stored_under_its_own_hash(meshe
     path = Path(shutil.copy(meshes[0], tmp_path / "mesh.off"))
     real = preparing.matchable_mesh
 
-    def overtaken(thing):
+    def overtaken(*given):
         shutil.copy(meshes[1], path)
-        return real(thing)
+        return real(*given)
 
     monkeypatch.setattr(preparing, "matchable_mesh", overtaken)
     first = mm.prepare(path, samples=10, cache=True)
