@@ -276,16 +276,16 @@ def test_a_close_choice_is_reported():
 @pytest.mark.parametrize(
     ("as_part", "as_whole", "cost", "expected"),
     [
-        (0.05, 0.11, 1.0, Coverage.PART),
-        (0.05, 0.09, 1.0, Coverage.WHOLE),
-        (0.05, 0.09, 3.6, Coverage.BOTH_INCOMPLETE),
-        (0.05, 0.11, 3.6, Coverage.PART),
+        (0.05, 0.16, 1.0, Coverage.PART),
+        (0.05, 0.14, 1.0, Coverage.WHOLE),
+        (0.05, 0.08, 2.0, Coverage.PART),
+        (0.05, 0.04, 3.6, Coverage.BOTH_INCOMPLETE),
     ],
 )
 def test_coverage_of_two_surfaces_with_large_openings(monkeypatch, as_part, as_whole, cost, expected):
-    """By the error of distances; as wholes by the cost of their alignment."""
+    """By error of distances times cost; as wholes by the cost of their alignment."""
     sheet, match = mm.prepare(bent(grid(16, 13))), object()
-    located = SimpleNamespace(match=lambda: match)
+    located = SimpleNamespace(match=lambda: match, placement=SimpleNamespace(cost=1.0))
     monkeypatch.setattr("mobius_match.matching.partial.part.part_error", lambda _: as_part)
     monkeypatch.setattr("mobius_match.matching.partial.part.whole_error", lambda *_: as_whole)
     monkeypatch.setattr("mobius_match.matching.partial.part.part_notes", lambda _, compared: [compared])
@@ -293,7 +293,7 @@ def test_coverage_of_two_surfaces_with_large_openings(monkeypatch, as_part, as_w
     coverage, found, notes = choose_coverage(sheet, sheet, [located], [alignment], cost, PARAMETERS)
     assert coverage is expected
     assert found is (match if expected is Coverage.PART else None)
-    assert f"error of distances {as_whole:.3f} as wholes, 0.050 as a part" in notes[0]
+    assert f"cost {cost * as_whole:.3g} as wholes, 0.05 as a part" in notes[0]
     assert any("both have large openings" in note for note in notes) == (expected is Coverage.BOTH_INCOMPLETE)
 
 

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import os
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -27,7 +27,7 @@ from ...registration.sparse import Registration
 from ...surface.surface import Surface
 from ...voting.parameters import VotingParameters
 from .coverage import Coverage, may_be_part
-from .locate import Placement, fit, locate
+from .locate import Placement, fit, locate, refined
 from .matches import points_on_part, points_on_whole
 from .openings import openings
 from .pair import PartPair
@@ -139,7 +139,7 @@ def locate_parts(
             pair = pair.scaled(size)
             placement = locate(pair, np.random.default_rng(seed), pool) if fits else None
             if placement is not None:
-                found.append(Located(pair, size, placement, part_is_source))
+                found.append(at_better_size(Located(pair, size, placement, part_is_source)))
     return found
 
 
@@ -178,12 +178,12 @@ def choose_coverage(
     open_ones = [one.mesh.name for one in (source, target) if may_be_part(one, parameters)]
     notes = []
     if parts:
-        errors = [part_error(one) for one in parts]
-        best = int(np.argmin(errors))
+        costs = [part_error(one) * one.placement.cost for one in parts]
+        best = int(np.argmin(costs))
         registration = alignments[0].registration if alignments else None
-        as_whole = np.inf if registration is None else whole_error(source, target, registration, parameters)
-        compared = f"error of distances {as_whole:.3f} as wholes, {errors[best]:.3f} as a part"
-        if as_whole > parameters.part_advantage * errors[best]:
+        as_whole = np.inf if registration is None else whole_error(source, target, registration, parameters) * cost
+        compared = f"cost {as_whole:.3g} as wholes, {costs[best]:.3g} as a part"
+        if as_whole > parameters.part_advantage * costs[best]:
             return Coverage.PART, parts[best].match(), part_notes(parts[best], compared)
         notes.append(f"{' and '.join(open_ones)}: matched as a whole in spite of the openings ({compared})")
     if len(open_ones) == 2 and parameters.incomplete_cost < cost < np.inf:
@@ -243,11 +243,41 @@ def distance_error(here: np.ndarray, target: Surface, image: np.ndarray, paramet
     parameters
         Constants of the method.
     """
-    mesh, softening = target.mesh, parameters.landmark_distance
-    solve = geodesic_solver(mesh.vertices / target.scale, mesh.faces, target.settings.geodesics)
-    there = np.stack([solve(int(vertex))[image] for vertex in image])
-    ratios = np.log((here + softening) / ((there + there.T) / 2 + softening))
+    softening = parameters.landmark_distance
+    ratios = np.log((here + softening) / (_distances_between(target, image) + softening))
     return float(np.abs(ratios[np.triu_indices(len(image), 1)]).mean())
+
+
+def _distances_between(surface: Surface, vertices: np.ndarray) -> np.ndarray:
+    """Geodesic distances (k, k) per sqrt(area) between vertices of a surface."""
+    solve = geodesic_solver(surface.mesh.vertices / surface.scale, surface.mesh.faces, surface.settings.geodesics)
+    distances = np.stack([solve(int(vertex))[vertices] for vertex in vertices])
+    return np.asarray((distances + distances.T) / 2)
+
+
+def at_better_size(located: Located) -> Located:
+    """The part at the size at which distances nearby agree with those on the whole, registered again there.
+
+    The fit of triplets prefers sizes that are too small by up to a tenth, and paths between distant points of a part
+    may make a detour around what is missing. If the cost is not lower, nothing changes.
+    """
+    pair, registration = located.pair, located.placement.registration
+    here, there = pair.part.normalized_distances, _distances_between(pair.whole, registration.image[pair.samples1])
+    near = (here > 0) & (here < pair.voting.least_spread)
+    if not near.any():
+        return located
+    # No part is larger than its whole.
+    size = located.size * min(float(np.median(there[near] / here[near])), 1 / np.sqrt(located.share))
+    if not size > 0:
+        return located
+    pair = pair.scaled(size)
+    registration = refined(pair, registration)
+    cost = pair.cost(registration)
+    if cost >= located.placement.cost:
+        return located
+    return replace(
+        located, pair=pair, size=size, placement=replace(located.placement, registration=registration, cost=cost)
+    )
 
 
 def best_size(pair: PartPair, seed: int, pool: ThreadPoolExecutor) -> tuple[float, float]:
