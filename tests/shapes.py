@@ -81,6 +81,72 @@ def torus(major: float = 3.0, minor: float = 1.0, around: int = 40, across: int 
     return vertices, np.concatenate([np.stack([a, b, c], axis=1), np.stack([a, c, d], axis=1)])
 
 
+def bumpy_torus(proportion: float, turn: float, around: int, across: int) -> tuple[Arrays, np.ndarray]:
+    """A torus of uneven thickness without symmetry, and the two angles of each vertex, (n, 2).
+
+    The angles name the point: they are the same for all proportions (major radius per minor) and meshes; `turn` is the
+    angle at which the mesh begins.
+    """
+    _, faces = torus(around=around, across=across)
+    i, j = np.divmod(np.arange(around * across), across)
+    u, v = 2 * np.pi * i / around + turn, 2 * np.pi * (j + 0.5 * (i % 2)) / across + turn
+    minor = 1 + 0.35 * np.cos(u) + 0.2 * np.sin(2 * u) + 0.15 * np.cos(3 * u + v + 1)
+    radius = proportion + minor * np.cos(v)
+    vertices = np.stack([radius * np.cos(u), radius * np.sin(u), minor * np.sin(v) + 0.4 * np.cos(2 * u)], axis=1)
+    return (vertices, faces), np.stack([u, v], axis=1)
+
+
+def snake(bend: float, along: int, across: int, *, touching: bool = False) -> tuple[Arrays, np.ndarray]:
+    """A closed tube of uneven thickness with thin ends, bent to an arc of an angle, and where each vertex is, (n, 3).
+
+    The places are the same for all bends and meshes: a share of the length and the cosine and sine around the tube.
+    Bent to a full circle, its ends may be joined where they are touching.
+    """
+    i, j = np.divmod(np.arange(along * across), across)
+    part, v = (i + 0.5) / along, 2 * np.pi * (j + 0.5 * (i % 2)) / across
+    thin = 0.2 + 0.8 * np.sin(np.pi * part) ** 0.7
+    radius = thin * (1 + 0.3 * np.sin(2 * np.pi * part) + 0.2 * np.cos(v + 1) * part)
+    angle = bend * (part - 0.5)
+    height = 18 / bend + radius * np.cos(v)
+    vertices = np.stack([height * np.cos(angle), height * np.sin(angle), radius * np.sin(v)], axis=1)
+    places = np.stack([part, 0.1 * np.cos(v), 0.1 * np.sin(v)], axis=1)
+    faces = torus(around=along, across=across)[1]
+    if touching:
+        return (vertices, faces), places
+    last = across * (along - 1)
+    faces = faces[~((faces < across).any(axis=1) & (faces >= last).any(axis=1))]
+    n, ring = len(vertices), np.arange(across)
+    after = np.roll(ring, -1)
+    caps = (
+        np.stack([ring, after, 0 * ring + n], axis=1),
+        np.stack([after + last, ring + last, 0 * ring + n + 1], axis=1),
+    )
+    ends = np.stack([vertices[:across].mean(axis=0), vertices[last:].mean(axis=0)])
+    everything = np.concatenate([vertices, ends]), np.concatenate([faces, *caps])
+    return everything, np.concatenate([places, [[0, 0, 0], [1, 0, 0]]])
+
+
+def mug(size: int, seed: int = 0) -> Arrays:
+    """A hollow cup with a handle, about 1 wide and 2 high, by marching cubes in a turned grid of size**3 points."""
+    import igl
+
+    side = np.linspace(-1.9, 1.9, size)
+    grid_points = np.stack(np.meshgrid(side, side, side, indexing="ij"), axis=-1).transpose(2, 1, 0, 3).reshape(-1, 3)
+    x, y, z = (grid_points @ rotation(seed).T).T
+    around = np.hypot(x, y)
+    outside = np.maximum(around - 0.7 - 0.1 * z, np.abs(z) - 1)
+    inside = np.maximum(around - 0.52 - 0.1 * z, -0.7 - z)
+    handle = np.hypot(np.hypot(x - 0.75, z - 0.05) - 0.6, y) - 0.16
+    blend = np.clip(0.5 + (handle - outside) / 0.2, 0, 1)
+    solid = handle * (1 - blend) + outside * blend - 0.1 * blend * (1 - blend)
+    found = igl.marching_cubes(np.maximum(solid, -inside), grid_points, size, size, size, 0.0)
+    vertices, faces = found[0] @ rotation(seed).T, found[1]
+    volume = np.einsum("ij,ij->", vertices[faces[:, 0]], np.cross(vertices[faces[:, 1]], vertices[faces[:, 2]]))
+    faces = faces if volume > 0 else faces[:, ::-1]
+    used = np.unique(faces)
+    return vertices[used], np.searchsorted(used, faces)
+
+
 def with_handle(arrays: Arrays, one: int, two: int, rings: int = 3) -> Arrays:
     """A shape with a tube of three sides from one face to another, in place of both; it may run through the shape.
 
@@ -101,6 +167,30 @@ def with_handle(arrays: Arrays, one: int, two: int, rings: int = 3) -> Arrays:
     tube = np.concatenate([side.reshape(-1, 3) for side in sides])
     kept = np.delete(faces, [one, two], axis=0)
     return np.concatenate([vertices, middle.reshape(-1, 3)]), np.concatenate([kept, tube])
+
+
+def disc(count: int = 1200, hole: float = 0.0, seed: int = 0) -> Arrays:
+    """The flat unit disc, counter-clockwise, meshed at random by the seed; with a hole of that radius around 0."""
+    from scipy.spatial import Delaunay
+
+    rng, spacing = np.random.default_rng(seed), np.sqrt(np.pi / count)
+
+    def circle(radius: float) -> np.ndarray:
+        number = round(2 * np.pi * radius / spacing)
+        return radius * np.exp(1j * (2 * np.pi * np.arange(number) / number + rng.uniform(0, np.pi)))
+
+    k = np.arange(count)
+    inner = np.sqrt((k + 0.5) / count) * np.exp(1j * (k * np.pi * (3 - np.sqrt(5)) + rng.uniform(0, np.pi)))
+    inner += 0.2 * spacing * (rng.uniform(-1, 1, count) + 1j * rng.uniform(-1, 1, count))
+    inner = inner[(np.abs(inner) < 1 - 0.6 * spacing) & (np.abs(inner) > hole + 0.6 * spacing * (hole > 0))]
+    z = np.concatenate([inner, circle(1.0), circle(hole)])
+    points = np.stack([z.real, z.imag], axis=1)
+    faces = Delaunay(points).simplices
+    faces = faces[~(np.abs(z[faces]) < hole * (1 + 1e-9)).all(axis=1)]
+    one, two = points[faces[:, 1]] - points[faces[:, 0]], points[faces[:, 2]] - points[faces[:, 0]]
+    turned = one[:, 0] * two[:, 1] < one[:, 1] * two[:, 0]
+    faces[turned] = faces[turned][:, ::-1]
+    return np.column_stack([points, np.zeros(len(points))]), faces
 
 
 def true_places(name: str, *, mirrored: bool = False, reverse: bool = False) -> np.ndarray:
@@ -131,3 +221,19 @@ def rotation(seed: int = 0) -> np.ndarray:
     q, r = np.linalg.qr(np.random.default_rng(seed).normal(size=(3, 3)))
     q *= np.sign(np.diag(r))
     return q if np.linalg.det(q) > 0 else -q
+
+
+def cap(seed: int = 0, *, bend: float = 0.0, count: int = 1500) -> Arrays:
+    """A disc with three bumps of different height, counter-clockwise from above, meshed by the seed.
+
+    The first two coordinates without a bend are those of the flat disc; with it, that many radians are rolled up.
+    """
+    vertices, faces = disc(count, seed=seed)
+    x, y = vertices[:, 0], vertices[:, 1]
+    z = 0.4 * (1 - x**2 - y**2)
+    for height, width, at in ((0.5, 0.2, (0.45, 0.1)), (0.3, 0.25, (-0.2, 0.5)), (0.35, 0.15, (-0.3, -0.4))):
+        z += height * np.exp(-((x - at[0]) ** 2 + (y - at[1]) ** 2) / width**2)
+    if bend:
+        angle, radius = bend * x / 2, 2 / bend
+        return np.column_stack([(radius - z) * np.sin(angle), y, radius - (radius - z) * np.cos(angle)]), faces
+    return np.column_stack([x, y, z]), faces

@@ -90,6 +90,7 @@ export function read(document) {
         positions: positions(side.positions),
         triangles: side.wide ? new Uint32Array(buffer) : new Uint16Array(buffer),
         origins: side.origins && origins(side.origins),
+        loops: side.loops && floats(side.loops),
         uv: side.uv && { coordinates: positions(side.uv), known: bytes(side.uv.known) },
       };
     }),

@@ -292,6 +292,7 @@ document.addEventListener("keydown", (event) => {
 });
 dark.addEventListener("change", () => theme(dark.matches ? "dark" : "light"));
 if (innerWidth <= 760) $("list").open = false;
+$("loops").hidden = !data.sides.some((side) => side.loops);
 $("notes").hidden = !data.result.warnings.length;
 $("notes").querySelector("ul").append(...data.result.warnings.map((line) => element("li", line)));
 theme(dark.matches ? "dark" : "light");

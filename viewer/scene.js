@@ -1,6 +1,6 @@
 // Both shapes with their matches, side by side or one above the other, seen by one camera.
 import {
-  AmbientLight, BoxGeometry, Color, DirectionalLight, InstancedMesh, Matrix4, Mesh, MeshBasicMaterial,
+  AmbientLight, BoxGeometry, Color, CylinderGeometry, DirectionalLight, InstancedMesh, Matrix4, Mesh, MeshBasicMaterial,
   MeshPhongMaterial, OctahedronGeometry, OrthographicCamera, Quaternion, Raycaster, RingGeometry, Scene, SphereGeometry,
   SRGBColorSpace, Vector2, Vector3, WebGLRenderer,
 } from "three";
@@ -41,7 +41,9 @@ export class View {
     halo.renderOrder = 3;
     halo.visible = false;
     scene.add(surface.mesh, halo, new AmbientLight(0xffffff, 0.95));
-    return { scene, surface, halo, marks: [], points: null };
+    const loops = data.loops ? rods(data.loops, 0.3 * this.data.radius) : null;
+    if (loops) scene.add(loops);
+    return { scene, surface, halo, loops, marks: [], points: null };
   }
 
   // Show these matches of an alignment in their colours; `selected` is one of them or null.
@@ -98,6 +100,7 @@ export class View {
     const changed = Boolean(time) !== Boolean(this.time);
     this.time = time;
     if (changed) this.#fit();
+    if (this.sides[0].loops) this.sides[0].loops.visible = !time;
     this.sides[0].surface.move(this.#interpolate([this.data.sides[0].positions, ...this.data.morph]));
     this.redraw();
   }
@@ -280,6 +283,26 @@ MARK[0].onBeforeCompile = (shader) => { // a dark rim separates spheres from eac
   shader.fragmentShader = shader.fragmentShader.replace("#include <opaque_fragment>",
     "outgoingLight *= mix(0.3, 1.0, smoothstep(0.15, 0.5, normal.z));\n#include <opaque_fragment>");
 };
+
+// Thin rods between pairs of points (x, y, z twice), for the loops around handles.
+function rods(ends, radius) {
+  const made = new InstancedMesh(ROD, LOOP, ends.length / 6);
+  const from = new Vector3(), to = new Vector3(), turn = new Quaternion(), matrix = new Matrix4();
+  for (let i = 0; i < made.count; i++) {
+    from.fromArray(ends, 6 * i);
+    to.fromArray(ends, 6 * i + 3);
+    const along = to.clone().sub(from);
+    const size = new Vector3(radius, along.length(), radius);
+    turn.setFromUnitVectors(UP, along.normalize());
+    made.setMatrixAt(i, matrix.compose(from.add(to).multiplyScalar(0.5), turn, size));
+  }
+  made.frustumCulled = false;
+  return made;
+}
+
+const UP = new Vector3(0, 1, 0);
+const ROD = new CylinderGeometry(1, 1, 1, 8);
+const LOOP = new MeshBasicMaterial({ color: 0xb3126a });
 
 function lamp(x, y, z, strength) {
   const light = new DirectionalLight(0xffffff, strength);

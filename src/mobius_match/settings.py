@@ -28,6 +28,8 @@ Distance = Literal["euclidean", "spherical"]
 Assignment = Literal["greedy", "linear"]
 Preset = Literal["paper"]
 
+WHICH_PIECES = ("largest", "all")  # values of ``pieces`` that are no names
+
 PAPER_VOTES_PER_TRIPLET = 10
 """Section 9: about ten votes are cast for each of the N**3 correct triplets ..."""
 PAPER_VOTES_RANGE = (5_000_000, 20_000_000)
@@ -90,6 +92,10 @@ class PrepareSettings:
     resolution
         Meshes with more than 1.5 times this number of vertices are simplified to it, and results are carried back to
         all vertices; 0 computes on all vertices.
+    pieces
+        Of several pieces, the one that is matched: ``"largest"``; or the largest of those with this name, of an OBJ
+        group, object or material, or of a glTF node or mesh. The others are carried along, or matched with pieces of
+        the other shape: the large ones by the whole method, with ``"all"`` every one that has enough vertices.
     """
 
     samples: int = 100
@@ -97,6 +103,7 @@ class PrepareSettings:
     triangulation: Triangulation = "delaunay"
     placement: Placement = "mean"
     resolution: int = 8000
+    pieces: str = "largest"
 
     def __post_init__(self) -> None:
         _check_whole("samples", self.samples, 4, 5000)
@@ -104,6 +111,7 @@ class PrepareSettings:
         _check_choice("triangulation", self.triangulation, Triangulation)
         _check_choice("placement", self.placement, Placement)
         _check_whole("resolution", self.resolution, 0, 10**9)
+        _check(isinstance(self.pieces, str) and self.pieces != "", "pieces", self.pieces, "give largest, all or a name")
 
 
 @dataclass(frozen=True)
@@ -112,7 +120,7 @@ class MatchSettings(PrepareSettings):
 
     Parameters
     ----------
-    samples, geodesics, triangulation, placement, resolution
+    samples, geodesics, triangulation, placement, resolution, pieces
         As in :class:`PrepareSettings`.
     votes
         Number of triplets to evaluate. None: with guided proposals until the votes no longer change, at most 20,000;
@@ -181,7 +189,8 @@ class MatchSettings(PrepareSettings):
         PrepareSettings
             Its fields have the values that they have here.
         """
-        return PrepareSettings(**{f.name: getattr(self, f.name) for f in fields(PrepareSettings)})
+        values = {f.name: getattr(self, f.name) for f in fields(PrepareSettings) if f.name != "pieces"}
+        return PrepareSettings(**values, pieces=prepared_piece(self.pieces))
 
     def number_of_votes(self) -> int:
         """The number of triplets that are evaluated.
@@ -227,6 +236,11 @@ PRESETS: dict[str, dict[str, Any]] = {
 """Named groups of settings. "paper": what the publication used for its figures 8 and 9."""
 
 
+def prepared_piece(pieces: str) -> str:
+    """The value of ``pieces`` of a preparation: whether all pieces are matched makes no difference to it."""
+    return "largest" if pieces == "all" else pieces
+
+
 class PrepareOptions(TypedDict, total=False):
     """The fields of :class:`PrepareSettings`, as keywords."""
 
@@ -235,6 +249,7 @@ class PrepareOptions(TypedDict, total=False):
     triangulation: Triangulation
     placement: Placement
     resolution: int
+    pieces: str
 
 
 class SymmetryOptions(PrepareOptions, total=False):
@@ -289,7 +304,8 @@ def make_prepare_settings(
     elif isinstance(settings, MatchSettings):
         settings = settings.preparation()
     of_preset = {name: value for name, value in _of_preset(preset).items() if name in known}
-    return replace(settings, **{**of_preset, **overrides})
+    chosen = replace(settings, **{**of_preset, **overrides})
+    return replace(chosen, pieces=prepared_piece(chosen.pieces))
 
 
 def _of_preset(preset: str | None) -> dict[str, Any]:

@@ -2,6 +2,10 @@
 
 import json
 
+import trimesh
+
+from tests.shapes import torus
+
 
 def test_a_table_for_each_mesh(mobius, pair):
     ended = mobius("info", *pair[:2])
@@ -52,3 +56,17 @@ def test_a_name_that_is_not_text(start_mobius, pair, tmp_path):
     out, err = process.communicate(timeout=60)
     assert (process.returncode, err) == (0, "")
     assert "642" in out
+
+
+def test_handles_are_listed(mobius, tmp_path):
+    vertices, faces = torus(around=16, across=8)
+    path = tmp_path / "ring.off"
+    path.write_bytes(trimesh.Trimesh(vertices, faces, process=False).export(file_type="off").encode())
+    ended = mobius("info", path)
+    assert ended.code == 0
+    (line,) = [line for line in ended.out.splitlines() if "handle places" in line]
+    assert "length 6.1229)" in line
+    (entry,) = json.loads(mobius("info", path, "--json").out)
+    assert entry["usable"] and entry["genus"] == 1
+    (handle,) = entry["handle_places"]
+    assert f" {handle['vertices'][0]} (" in line

@@ -35,10 +35,23 @@ def test_a_unit_cube():
         "consistently_oriented": True,
         "euler_characteristic": 2,
         "genus": 0,
+        "handle_places": [],
         "boundary_loops": {"count": 0, "lengths": []},
         "closed": True,
         "orientable": True,
         "bounding_box": {"min": [-0.5] * 3, "max": [0.5] * 3},
+        "pieces": [
+            {
+                "vertices": 26,
+                "faces": 48,
+                "area": pytest.approx(6),
+                "closed": True,
+                "cavity": False,
+                "first_vertex": 0,
+                "names": [],
+            }
+        ],
+        "unreached_vertices": [],
         "notes": [],
         "usable": True,
         "reason": None,
@@ -58,13 +71,15 @@ def test_faults_are_counted(shapes):
     assert info["nonmanifold_edges"] == 3 and not info["consistently_oriented"]
     assert info["genus"] == 0 and info["closed"] and info["usable"]
     assert len(info["notes"]) == 4
+    assert info["unreached_vertices"] == [162, 163, 164, 165]
 
 
 def test_boundary_and_pieces(shapes):
     info = describe(Mesh(*shapes.cylinder()))
     assert info["boundary_loops"] == {"count": 2, "lengths": [10, 10]} and not info["closed"] and info["usable"]
     info = describe(Mesh(*shapes.bowtie()))
-    assert info["components"] == 2 and info["nonmanifold_vertices"] == 1 and not info["usable"]
+    assert info["components"] == 2 and info["nonmanifold_vertices"] == 1 and info["usable"]
+    assert [piece["faces"] for piece in info["pieces"]] == [72, 72]
     info = describe(Mesh(*shapes.moebius()))
     assert info["orientable"] and info["genus"] == 0 and info["usable"] and not info["consistently_oriented"]
     info = describe(Mesh(*shapes.torus()))
@@ -96,3 +111,16 @@ def test_nothing_to_describe():
         info = json.loads(json.dumps(describe(mesh), allow_nan=False))
         assert not info["usable"] and info["quality"] is None and info["edge_length"]["max"] is None
         assert "too few" in info["reason"]
+
+
+def test_handles_have_their_place_and_length(shapes):
+    """The thin circle of a torus, of 8 edges in a circle of radius 1; in the numbers of a file with unused vertices."""
+    vertices, faces = shapes.torus(shift=1.0)
+    info = json.loads(json.dumps(describe(Mesh(np.concatenate([np.zeros((5, 3)), 100 * vertices]), faces + 5))))
+    (handle,) = info["handle_places"]
+    assert sorted(handle) == ["length", "place", "vertices"]
+    assert handle["length"] == pytest.approx(1600 * np.sin(np.pi / 8))
+    loop = np.array(handle["vertices"]) - 5
+    assert len(loop) == 8
+    assert np.linalg.norm(np.array(handle["place"]) - [100, 0, 0]) == pytest.approx(200)
+    np.testing.assert_allclose(handle["place"], 100 * vertices[loop].mean(axis=0), atol=1e-9)

@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 from mobius_match.errors import TopologyError
 from mobius_match.mesh import Mesh, describe, repair, require_matchable
 from mobius_match.mesh import topology as tp
+from mobius_match.mesh.pieces import main_piece
 from mobius_match.mesh.sheets import MOST_SHEETS
 from tests.shapes import icosphere, lump
 
@@ -170,9 +171,23 @@ def test_what_is_glued_to_a_surface_leaves_it_as_it_was(data, seed, kind):
     length = np.linalg.norm(vertices[edges[:, 0]] - vertices[edges[:, 1]], axis=1).mean()
     extra = vertices[path] + 0.3 * length * rng.normal(size=(len(path), 3))
     mesh = Mesh(np.concatenate([vertices, extra]), rng.permutation(np.concatenate([faces, glued])))
-    fixed = repair(mesh)
+    fixed = main_piece(repair(mesh))
     assert rows(fixed.vertex_ids[fixed.faces]) == rows(faces)
     np.testing.assert_array_equal(np.sort(fixed.vertex_ids), np.arange(n))
+
+
+def test_a_soup_with_fins_is_closed():
+    """As an STL file: each face has vertices of its own, three of them along the edges of a path."""
+    vertices, faces = icosphere(3)
+    path = [0]
+    edges = tp.edge_table(faces).edges
+    while len(path) < 6:
+        path.append(int(np.setdiff1d(edges[(edges == path[-1]).any(axis=1)], path)[-1]))
+    glued = np.stack([path[:-1], path[1:], len(vertices) + np.arange(5)], axis=1)
+    points, all_faces = np.concatenate([vertices, 1.2 * vertices[path[:5]]]), np.concatenate([faces, glued])
+    fixed = main_piece(repair(Mesh(points[all_faces].reshape(-1, 3), np.arange(all_faces.size).reshape(-1, 3))))
+    assert len(fixed.vertices) == len(vertices) and len(fixed.faces) == len(faces)
+    assert manifold(fixed) and not len(tp.boundary_loops(fixed.faces))
 
 
 def test_a_neck_of_one_edge_is_cut(shapes):

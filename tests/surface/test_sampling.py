@@ -6,6 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
+import mobius_match as mm
 from mobius_match.geometry.curvature import gauss_curvature
 from mobius_match.geometry.geodesics import geodesic_solver
 from mobius_match.geometry.laplacian import intrinsic_mesh, vertex_areas
@@ -139,3 +140,19 @@ def test_thinned_points_keep_the_spacing_and_leave_no_room(points, spacing, data
         before = [j for j in kept if j != k and (always[rank[j]] or rank[j] < rank[k])]
         crowded = bool(before) and ways[k, before].min() < spacing
         assert (k in kept) == (always[rank[k]] or not crowded)
+
+
+def test_long_thin_faces_are_no_shortcuts():
+    """A sheet rolled to more than half a tube, with a strip of six long faces across from one edge to the other."""
+    vertices, faces = grid(40, 30)
+    angle = 1.2 * np.pi * vertices[:, 0] / 40
+    sheet = np.column_stack([np.cos(angle), np.sin(angle), 1.2 * np.pi * vertices[:, 1] / 40])
+    assert mm.prepare((sheet, faces)).warnings == ()
+    rows = 41 * np.arange(12, 15)
+    left, right, above = rows, rows + 40, rows + 41
+    strip = np.concatenate([np.stack([left, above, right], axis=1), np.stack([above, right + 41, right], axis=1)])
+    bridged = mm.prepare((sheet, np.concatenate([faces, strip])))
+    assert bridged.mesh.notes == ()
+    assert len(bridged.warnings) == 1 and "shortest paths along edges" in bridged.warnings[0]
+    exact = geodesic_solver(bridged.mesh.vertices, bridged.mesh.faces, "exact")(int(bridged.samples[0]))
+    np.testing.assert_array_less(exact[bridged.samples[1:]], bridged.distances[0, 1:] * (1 + 1e-9))

@@ -10,6 +10,7 @@ from mobius_match import match
 from mobius_match.evaluation import Truth
 from mobius_match.geometry.points import SurfacePoints
 from mobius_match.mesh import as_mesh, repair
+from mobius_match.mesh.handles import cut_along, handle_loops
 from mobius_match.results.correspondence import Correspondence
 from mobius_match.results.matches import Alternative
 from mobius_match.results.surface_map import SurfaceMap
@@ -60,6 +61,15 @@ def matched():
     """A real match of two small shapes, with its votes."""
     shape = shapes.lump()
     return match(shape, shape, samples=30, votes=4000, seed=0)
+
+
+@pytest.fixture(scope="session")
+def ring(result):
+    """The result on a torus, cut open along a loop, and the loop; the target is the lump."""
+    whole = repair(as_mesh(shapes.torus()))
+    (loop,) = handle_loops(whole)
+    cut, _ = cut_along(whole, [loop])
+    return replace(result, source=Prepared(cut, [loop]), source_info=info(cut, "shapes/ring.off")), loop
 
 
 @pytest.fixture(scope="session")

@@ -378,3 +378,19 @@ def test_in_a_notebook(browser, tmp_path, result):
 def test_no_name_is_used_twice(opened):
     names = opened.run("[...document.querySelectorAll('[id]')].map((element) => element.id)")
     assert len(names) == len(set(names)) > 20
+
+
+def test_loops_around_handles_are_drawn(browser, tmp_path, ring):
+    path = tmp_path / "page.html"
+    path.write_text(page(ring[0]), encoding="utf-8")
+    browser.open(path)
+    browser.run("matches.click()")
+    browser.settle()
+    magenta = [(half[:, :, 0] - half[:, :, 1] > 0.4) & (half[:, :, 2] > 0.3) for half in halves(browser)]
+    assert magenta[0].mean() > 1e-4 and not magenta[1].any()
+    assert browser.run("!loops.hidden")
+    assert browser.complaints() == []
+
+
+def test_without_handles_the_legend_has_no_loop(opened):
+    assert opened.run("loops.hidden")

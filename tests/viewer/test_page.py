@@ -13,7 +13,7 @@ from PIL import Image
 
 from mobius_match import Correspondence, FormatError, MeshError, SurfaceMap, match, viewer
 from mobius_match.evaluation import Truth, examples, metrics
-from mobius_match.geometry.points import SurfacePoints
+from mobius_match.geometry.points import SurfacePoints, points_at
 from mobius_match.mesh import as_mesh, repair
 from mobius_match.viewer import View, packing, page
 from mobius_match.voting.mobius import CANONICAL_TRIANGLE, cross_ratio
@@ -52,6 +52,31 @@ def test_spheres_are_at_the_matched_vertices(result, mesh):
             np.diff(mesh.vertices, axis=0), axis=1
         )
         np.testing.assert_allclose(ratios, ratios.mean(), rtol=5e-3)
+
+
+def test_loops_around_handles_are_closed_chains_of_edges(ring):
+    result, loop = ring
+    source, target = element(page(result), "shapes")["sides"]
+    assert "loops" not in target
+    from_to = numbers(source["loops"], "<f4").reshape(-1, 2, 3)
+    np.testing.assert_allclose(from_to[:, 0], vertices(source)[loop], atol=2e-5)
+    np.testing.assert_array_equal(from_to[:, 1], np.roll(from_to[:, 0], -1, axis=0))
+
+
+def test_loops_of_a_loaded_result_are_found_again(ring, tmp_path):
+    result = ring[0]
+    whole = repair(as_mesh(shapes.torus()))
+    write_ply(tmp_path / "ring.ply", whole, np.zeros((len(whole.vertices), 3)))
+    mesh = as_mesh(tmp_path / "ring.ply")
+    loaded = replace(result, source=None, source_info=info(mesh, str(tmp_path / "ring.ply")))
+    # The map is one of the surface cut open, which the file of the result does not say.
+    cut, n = replace(result.source.mesh, sha256=mesh.sha256), len(result.source.mesh.vertices)
+    target = result.target.mesh
+    there, back = points_at(target.faces, np.zeros(n, int)), points_at(cut.faces, np.zeros(len(target.vertices), int))
+    dense = SurfaceMap(cut, target, there, back, np.full(n, True), np.full(len(target.vertices), True))
+    contents = [element(text, "shapes")["sides"][0] for text in (page(result), page(loaded), page(loaded, dense=dense))]
+    assert contents[0]["loops"] == contents[1]["loops"] == contents[2]["loops"]
+    assert [len(vertices(side)) for side in contents] == [n, n - 16, n]
 
 
 def test_exact_places_on_the_target_are_used(result, mesh):

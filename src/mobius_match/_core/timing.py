@@ -14,9 +14,9 @@ class Stopwatch:
         self.laps: dict[str, float] = {}
 
     def lap(self, stage: str) -> None:
-        """Say which stage ends now; it began when the last one ended."""
+        """Say which stage ends now; it began when the last one ended. Durations of one name are added up."""
         now = time.perf_counter()
-        self.laps[stage] = now - self._last
+        self.laps[stage] = self.laps.get(stage, 0.0) + now - self._last
         self._last = now
 
     def add(self, timings: Mapping[str, float]) -> None:

@@ -1,4 +1,4 @@
-"""Candidate alignments of two surfaces: from the clusters of the best triplets, and from extremities.
+"""Candidate alignments of two surfaces: from clusters of the best triplets, of maps of discs, and from extremities.
 
 Beyond the paper. On shapes that are nearly symmetric, or far from isometric, a wrong alignment (front taken for back,
 head for feet) can gain more votes than the right one. So the best triplets are clustered by where they send the
@@ -24,6 +24,7 @@ from .alignment import Alignment, by_cost
 from .clusters import agreed_matches, cluster_triplets, most_consistent_half
 from .coarse_map import coarse_map, quick_image
 from .cost import cost_terms, total_cost
+from .discs import disc_matches
 from .extremities import extremity_triplets
 from .parameters import AlignmentParameters
 
@@ -91,12 +92,17 @@ def candidate_alignments(
         return total_cost(cost_terms(source, target, image, parameters.cost, step), parameters.cost.weights)
 
     shares = [len(group) / len(pairs) for group in groups]
-    found = map_threads(lambda i, _: aligned(agreed(groups[i]), shares[i]), len(groups), jobs, None)
+    matches = [agreed(group) for group in groups]
+    # A long boundary may be that of a disc, or of a hole in a sphere as far as the triplets go: the cost decides.
+    of_discs = disc_matches(source, target, parameters.discs, clusters) if with_extremities else []
+    matches += of_discs
+    shares += [0.0] * len(of_discs)
+    found = map_threads(lambda i, _: aligned(matches[i], shares[i]), len(matches), jobs, None)
     least = min((one.cost for one in found), default=0.0)
     if least > selection.different_above:
         # A refinement that began well may have gone wrong. Other beginnings do not go wrong in the same way.
         order = sorted(range(len(found)), key=lambda i: found[i].cost)[: selection.most_contenders]
-        near = [i for i in order if found[i].cost <= least + selection.contest_margin]
+        near = [i for i in order if i < len(groups) and found[i].cost <= least + selection.contest_margin]
         tasks = [
             (i, part, backward)
             for i in near
@@ -116,6 +122,8 @@ def candidate_alignments(
         costs = map_threads(lambda i, _: quick_cost(lists[i]), len(lists), jobs, None)
         best = np.argsort(costs, kind="stable")[: parameters.extremities.tried]
         found += map_threads(lambda k, _: aligned(lists[best[k]], 0.0), len(best), jobs, None)
+        return distinct_alignments(target, found, clusters.radius / 2)
+    if of_discs:
         return distinct_alignments(target, found, clusters.radius / 2)
     return sorted(found, key=by_cost)
 

@@ -49,9 +49,17 @@ def total_cost(terms: dict[str, float], weights: CostWeights) -> float:
     return sum(getattr(weights, name) * value for name, value in terms.items())
 
 
+def registered_map_cost(
+    source: Surface, target: Surface, registration: Registration, parameters: CostParameters
+) -> float:
+    """The cost of the map that a registration ends with."""
+    terms = cost_terms(source, target, target.nearest_proxy[registration.image], parameters)
+    return total_cost(terms, parameters.weights)
+
+
 def registration_cost(
     source: Surface, target: Surface, registration: Registration, parameters: AlignmentParameters
 ) -> float:
     """The cost of one registration, to be compared with another one of the same surfaces: its strain and its map's."""
-    terms = cost_terms(source, target, target.nearest_proxy[registration.image], parameters.cost)
-    return strain(source, target, registration, parameters.registration) + total_cost(terms, parameters.cost.weights)
+    of_map = registered_map_cost(source, target, registration, parameters.cost)
+    return strain(source, target, registration, parameters.registration) + of_map

@@ -72,6 +72,30 @@ class ExtremityParameters:
 
 
 @dataclass(frozen=True)
+class DiscParameters:
+    """The search through all maps between two discs, the paper's footnote."""
+
+    least_rim: float = parameter(
+        0.5,
+        "length of the longest boundary loop from which a surface is searched as a disc as well; a round hole of that "
+        "length is 2 % of the area",
+        unit=AREA,
+        origin=HAND,
+    )
+    samples: int = parameter(100, "samples that are paired, at most", origin="time: their square enters each map")
+    centres: int = parameter(30, "most central samples that are sent to each other", origin=HAND)
+    angles: int = parameter(24, "angles of each two of them: steps of 15 degrees", origin=HAND)
+    floor: float = parameter(
+        0.01,
+        "added to both errors of a map: far less than the distance between samples tells nothing",
+        unit=AREA,
+        origin="a tenth of the distance between 100 samples",
+    )
+    kept: int = parameter(2000, "maps that are clustered, the best ones", origin=HAND)
+    tried: int = parameter(6, "clusters that become candidates", origin=HAND)
+
+
+@dataclass(frozen=True)
 class CostWeights:
     """Weights of the terms of an alignment's cost.
 
@@ -131,5 +155,6 @@ class AlignmentParameters:
     coarse_map: CoarseMapParameters = CoarseMapParameters()
     clusters: ClusterParameters = ClusterParameters()
     extremities: ExtremityParameters = ExtremityParameters()
+    discs: DiscParameters = DiscParameters()
     cost: CostParameters = CostParameters()
     selection: SelectionParameters = SelectionParameters()

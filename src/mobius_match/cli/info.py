@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 
 LONGEST_LIST = 6
 """Entries of a list that the table shows at most."""
+MOST_PIECES = 12
+"""Pieces that the table shows at most."""
 
 
 def info(
@@ -57,12 +59,26 @@ def _table(entry: dict[str, Any]) -> Table:
     table.add_column()
     table.add_column(overflow="fold")
     for label, value in _rows(entry):
-        if label not in ("name", "notes", "reason") and not (label.endswith(" places") and not value):
+        if label not in ("name", "notes", "reason", "pieces") and not (label.endswith(" places") and not value):
             table.add_row(label, _shown(value))
+    table.add_row("pieces", "\n".join(_pieces(entry["pieces"])) or "none")
     table.add_row("repairs", "\n".join(entry["notes"]) or "none")
     if entry["reason"]:
         table.add_row("not usable because", entry["reason"])
     return table
+
+
+def _pieces(pieces: list[dict[str, Any]]) -> Iterator[str]:
+    """A line for each piece, the main one first."""
+    for number, piece in enumerate(pieces[:MOST_PIECES]):
+        kind = "cavity" if piece["cavity"] else "closed" if piece["closed"] else "open"
+        yield (
+            f"{'main' if number == 0 else 'other'}: {piece['vertices']} vertices from {piece['first_vertex']}, "
+            f"{piece['faces']} faces, area {_shown(piece['area'])}, {kind}"
+            + (f", {', '.join(map(repr, piece['names']))}" if piece["names"] else "")
+        )
+    if len(pieces) > MOST_PIECES:
+        yield f"and {len(pieces) - MOST_PIECES} more (--json lists them)"
 
 
 def _rows(entry: dict[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
@@ -81,9 +97,12 @@ def _shown(value: Any) -> str:
         return "yes" if value else "no"
     if isinstance(value, float):
         return f"{value:.5g}"
-    if isinstance(value, dict):  # a vertex, or an edge by its two ends, and where it lies
-        numbers = value.get("vertices", [value.get("vertex")])
-        return f"{'-'.join(map(str, numbers))} ({', '.join(map(_shown, value['place']))})"
+    if isinstance(value, dict):  # a vertex, an edge by its two ends, or a loop by its first vertex, and where it lies
+        numbers, length = value.get("vertices", [value.get("vertex")]), value.get("length")
+        place = ", ".join(map(_shown, value["place"]))
+        if length is not None:
+            return f"{numbers[0]} ({place}; length {_shown(length)})"
+        return f"{'-'.join(map(str, numbers))} ({place})"
     if isinstance(value, list):
         rest = ["..."] if len(value) > LONGEST_LIST else []
         return ", ".join([*map(_shown, value[:LONGEST_LIST]), *rest]) or "-"

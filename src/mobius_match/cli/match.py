@@ -11,7 +11,20 @@ from typer import Argument, Option
 from ..settings import make_settings
 from .common import Reporter, say
 from .config import given_settings
-from .options import Config, Geodesics, NoCache, Preset, Quiet, Samples, Seed, Threads, Triangulation, Verbose, Votes
+from .options import (
+    Config,
+    Geodesics,
+    NoCache,
+    Pieces,
+    Preset,
+    Quiet,
+    Samples,
+    Seed,
+    Threads,
+    Triangulation,
+    Verbose,
+    Votes,
+)
 from .output import ROWS, STDOUT, check_output, check_outputs, number_omitted, print_table, to_json, write
 from .results import draw
 
@@ -113,6 +126,7 @@ def match(
             "sqrt(area) (0 to 0.2). 0.2: samples only.  [default: 0.025]",
         ),
     ] = None,
+    pieces: Pieces = None,
     seed: Seed = None,
     jobs: Threads = None,
     config: Config = None,
@@ -145,6 +159,7 @@ def match(
         assignment=assignment,
         threshold=threshold,
         spacing=spacing,
+        pieces=pieces,
         seed=seed,
         jobs=jobs,
     )

@@ -28,6 +28,14 @@ Triangulation = Annotated[
         help="Flatten the intrinsic Delaunay triangulation, or the triangles of the mesh itself.  [default: delaunay]",
     ),
 ]
+Pieces = Annotated[
+    str | None,
+    Option(
+        metavar="largest|all|NAME",
+        help="The piece that is matched, where there are several: the largest, or one by name (an OBJ group, object or "
+        "material, a glTF node or mesh). 'all' matches all pieces that both shapes have.  [default: largest]",
+    ),
+]
 Seed = Annotated[
     int | None, Option(metavar="N", help="Random seed; the result does not depend on --jobs.  [default: 0]")
 ]

@@ -18,6 +18,7 @@ from .options import (
     Config,
     Geodesics,
     NoCache,
+    Pieces,
     Preset,
     Processes,
     Quiet,
@@ -45,6 +46,7 @@ def prepare(
     preset: Preset = None,
     geodesics: Geodesics = None,
     triangulation: Triangulation = None,
+    pieces: Pieces = None,
     config: Config = None,
     jobs: Processes = None,
     no_cache: NoCache = False,
@@ -60,7 +62,13 @@ def prepare(
 
     settings = make_settings(
         **given_settings(
-            config, preset=preset, samples=samples, geodesics=geodesics, triangulation=triangulation, jobs=jobs
+            config,
+            preset=preset,
+            samples=samples,
+            geodesics=geodesics,
+            triangulation=triangulation,
+            pieces=pieces,
+            jobs=jobs,
         )
     )
     make_folder(output)

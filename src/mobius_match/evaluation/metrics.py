@@ -12,6 +12,8 @@ from ..geometry.farthest_points import farthest_points
 from ..geometry.geodesics import edge_graph, geodesic_solver
 from ..mesh import Mesh
 from ..mesh.measure import areas, box_scale, unit_box
+from ..mesh.pieces import MIN_FACES, main_piece, part_of_mesh
+from ..mesh.topology import components
 
 SWEEPS = 30
 """Number of farthest points from which the diameter is searched."""
@@ -23,7 +25,8 @@ def geodesic_distances(mesh: Mesh, sources: np.ndarray, targets: np.ndarray, met
     Parameters
     ----------
     mesh
-        A connected manifold mesh.
+        A manifold mesh. Between two pieces the distance is that along edges and the bridges of
+        :func:`mobius_match.geometry.geodesics.bridges`.
     sources, targets
         (Q,) vertex numbers in ``mesh``.
     method
@@ -35,6 +38,9 @@ def geodesic_distances(mesh: Mesh, sources: np.ndarray, targets: np.ndarray, met
     is not longer than one on the surface. So the path stays in the ellipsoid \\|x - s\\| + \\|x - t\\| <= u. The solver
     gets only the faces that reach into it, which makes close pairs fast and does not change the result.
     """
+    number, label = components(mesh.faces)
+    if number > 1:
+        return _among_pieces(mesh, label, np.asarray(sources), np.asarray(targets), method)
     make_distances = {"exact": _exact, "heat": _heat}[method]
     out = np.zeros(len(sources))
     different = np.flatnonzero(np.asarray(sources) != np.asarray(targets))
@@ -45,6 +51,28 @@ def geodesic_distances(mesh: Mesh, sources: np.ndarray, targets: np.ndarray, met
             ends, back = np.unique(np.asarray(targets)[rows], return_inverse=True)
             out[rows] = distances(int(sources[rows[0]]), ends)[back]
     return out * box_scale(mesh.vertices)
+
+
+def _among_pieces(mesh: Mesh, label: np.ndarray, sources: np.ndarray, targets: np.ndarray, method: str) -> np.ndarray:
+    """:func:`geodesic_distances` on a mesh of several pieces, with the piece (m,) of each face."""
+    piece = np.full(len(mesh.vertices), -1, np.int64)
+    piece[mesh.faces.ravel()] = np.repeat(label, 3)
+    graph = edge_graph(unit_box(mesh.vertices), mesh.faces)
+    out = np.zeros(len(sources))
+    together = piece[sources] == piece[targets]
+    for group in _groups(piece[sources]):
+        number = piece[sources[group[0]]]
+        faces = label == number
+        rows = group[together[group]]
+        if len(rows) and faces.sum() >= MIN_FACES:
+            one = part_of_mesh(mesh, piece == number, faces)
+            place = np.cumsum(piece == number) - 1
+            out[rows] = geodesic_distances(one, place[sources[rows]], place[targets[rows]], method)
+            group = group[~together[group]]
+        for some in _groups(sources[group]) if len(group) else ():
+            lengths = dijkstra(graph, directed=False, indices=int(sources[group[some[0]]]))
+            out[group[some]] = lengths[targets[group[some]]] * box_scale(mesh.vertices)
+    return out
 
 
 def _groups(values: np.ndarray) -> Iterator[np.ndarray]:
@@ -104,12 +132,13 @@ def _along_edges(graph: sp.csr_matrix, source: int, targets: np.ndarray, guess: 
 
 
 def diameter(mesh: Mesh, method: str = "exact") -> float:
-    """Estimate of the largest geodesic distance on the mesh, in its units.
+    """Estimate of the largest geodesic distance on the mesh, of several pieces on the main one, in its units.
 
     The largest heat distance between one of 30 farthest points and any vertex; with ``"exact"`` the exact distance of
     these two. It does not depend on the settings of a match, unlike :attr:`mobius_match.Surface.diameter`, which is
     the largest distance from the sample points.
     """
+    mesh = main_piece(mesh)
     solver = geodesic_solver(unit_box(mesh.vertices), mesh.faces, "heat")
     best = (0.0, 0, 0)
     for start, row in farthest_points(solver, solver(0), SWEEPS):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 
 import numpy as np
 from scipy.spatial import cKDTree
@@ -13,6 +13,7 @@ from ..geometry.geodesics import geodesic_solver
 from ..mesh import Mesh
 from ..mesh.measure import areas, box_scale, cross_products
 from ..mesh.topology import edges_of
+from ..results.main_map import main_map
 from ..results.surface_map import SurfaceMap
 
 LANDMARKS = 20
@@ -116,7 +117,7 @@ def quality(surface_map: SurfaceMap) -> Quality:
     Returns
     -------
     Quality
-        Values at the vertices of the repaired source, and shares.
+        Values at the vertices of the repaired source, and shares. Of several pieces only the main one has values.
 
     Examples
     --------
@@ -125,6 +126,9 @@ def quality(surface_map: SurfaceMap) -> Quality:
     >>> mm.quality(dense).orientation > 0.95
     True
     """
+    main, vertices, faces = main_map(surface_map)
+    if main is not surface_map:
+        return _padded(quality(main), vertices, faces, float(surface_map.source_mapped.mean()))
     source, target = surface_map.source, surface_map.target
     mapped, images = surface_map.source_mapped, surface_map.positions
     here, there = _unit(source.vertices, source), _unit(images, target)
@@ -160,6 +164,16 @@ def quality(surface_map: SurfaceMap) -> Quality:
     )
 
 
+def _padded(of_piece: Quality, vertices: np.ndarray, faces: np.ndarray, mapped: float) -> Quality:
+    """The quality of the map of one piece, with no values at all other vertices (n,) and faces (m,)."""
+    area, angle, geodesic, round_trip = (np.full(len(vertices), np.nan) for _ in range(4))
+    area[vertices], angle[vertices] = of_piece.area, of_piece.angle
+    geodesic[vertices], round_trip[vertices] = of_piece.geodesic, of_piece.round_trip
+    kept = np.zeros(len(faces), bool)
+    kept[faces] = of_piece.kept
+    return replace(of_piece, area=area, angle=angle, geodesic=geodesic, round_trip=round_trip, kept=kept, mapped=mapped)
+
+
 def isometric_distance(surface_map: SurfaceMap) -> float:
     """How far two surfaces are from isometric, under a map between them.
 
@@ -182,6 +196,11 @@ def isometric_distance(surface_map: SurfaceMap) -> float:
 
 def geodesic_distortion(surface_map: SurfaceMap) -> np.ndarray:
     """Mean difference (n1,) of geodesic distances from landmarks before and after the map, per sqrt(area)."""
+    main, vertices, _ = main_map(surface_map)
+    if main is not surface_map:
+        padded = np.full(len(vertices), np.nan)
+        padded[vertices] = geodesic_distortion(main)
+        return padded
     source, target = surface_map.source, surface_map.target
     distances, number = [], int(surface_map.source_mapped.sum())
     from_source = geodesic_solver(_unit(source.vertices, source), source.faces)

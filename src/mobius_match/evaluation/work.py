@@ -16,6 +16,7 @@ from ..errors import MobiusError
 from ..matching.match import match
 from ..matching.parameters import Parameters
 from ..mesh import Mesh
+from ..mesh.pieces import all_pieces
 from ..settings import MatchSettings
 from ..surface.prepare import matchable_mesh, prepare
 from ..surface.surface import Surface
@@ -79,7 +80,8 @@ def match_pair(
         timings["dense map"] = time.perf_counter() - start
     timings["total"] = sum(timings.values())
     start = time.perf_counter()
-    scorer = _scorer(case, source.whole_mesh, target.whole_mesh, scoring)
+    meshes = all_pieces(source.whole_mesh), all_pieces(target.whole_mesh)
+    scorer = _scorer(case, *meshes, scoring)
     scores = scorer.score(result.pairs, result.confidence)
     dense_record = _dense_record(scorer.score_map(surface_map.vertex_map)) if surface_map else None
     timings["scoring"] = time.perf_counter() - start
@@ -91,7 +93,7 @@ def match_pair(
         "mirrored": _numbers(scores["mirrored"]),
         "heat_difference": scores["heat_difference"],
         "diameter": scorer.diameter,
-        "area": mesh_area(target.whole_mesh),
+        "area": mesh_area(meshes[1]),
         "coverage": scores["coverage"],
         "ranking": scores["ranking"],
         "dense": dense_record,
@@ -110,7 +112,7 @@ def score_dense(case: Case, scoring: str, path: Path, index_base: int) -> dict[s
     """Score a dense map of another program."""
     start = time.perf_counter()
     dense = read_vertices(path, index_base, gaps=True)
-    source, target = matchable_mesh(case.source), matchable_mesh(case.target)
+    source, target = (all_pieces(matchable_mesh(path)) for path in (case.source, case.target))
     scorer = _scorer(case, source, target, scoring)
     scores = scorer.score_map(dense)
     return {

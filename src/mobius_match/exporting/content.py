@@ -85,10 +85,11 @@ class Content:
 
     @cached_property
     def meshes(self) -> tuple[Mesh, Mesh]:
-        """Both repaired meshes, read from their files if the result was loaded."""
-        if self.result is None:
-            return self.map.source, self.map.target
+        """Both repaired meshes: of the map, or read from their files if the result was loaded."""
         result = self.result
+        # Only the map of a loaded result knows which handles were cut open.
+        if result is None or (self.dense is not None and None in (result.source, result.target)):
+            return self.map.source, self.map.target
         return mesh_of(result.source, result.source_info), mesh_of(result.target, result.target_info)
 
     @property

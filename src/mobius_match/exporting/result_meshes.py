@@ -7,12 +7,14 @@ from typing import Any
 import numpy as np
 
 from ..errors import MeshError
-from ..mesh import Mesh, as_mesh, repair
+from ..mesh import Mesh
 from ..mesh.files import unchanged
+from ..mesh.pieces import all_pieces
+from ..surface.prepare import matchable_mesh
 
 
 def mesh_of(surface: Any, info: dict[str, Any]) -> Mesh:
-    """The repaired mesh of one side of a result, read from its file if the result was loaded.
+    """The repaired mesh of one side of a result, with all its pieces, read from its file if the result was loaded.
 
     Parameters
     ----------
@@ -22,8 +24,8 @@ def mesh_of(surface: Any, info: dict[str, Any]) -> Mesh:
         What the result records of the mesh.
     """
     if surface is not None:
-        return surface.whole_mesh
-    return repair(as_mesh(unchanged(info.get("path"), info.get("sha256", ""))))
+        return all_pieces(surface.whole_mesh)
+    return all_pieces(matchable_mesh(unchanged(info.get("path"), info.get("sha256", ""))))
 
 
 def vertices_numbered(mesh: Mesh, numbers: np.ndarray) -> np.ndarray:

@@ -6,9 +6,10 @@ from collections.abc import Callable
 
 import numpy as np
 import scipy.sparse as sp
+from scipy.spatial import cKDTree
 
 from .._core.compiling import jit
-from ..mesh.topology import edges_of
+from ..mesh.topology import edges_of, labels_of
 from .laplacian import IntrinsicMesh, corner_cotangents, face_areas, intrinsic_mesh
 
 DistanceFunction = Callable[[int], np.ndarray]
@@ -96,8 +97,28 @@ def _dijkstra(vertices: np.ndarray, faces: np.ndarray) -> DistanceFunction:
 
 
 def edge_graph(vertices: np.ndarray, faces: np.ndarray) -> sp.csr_matrix:
-    """Edge lengths (n, n) in the units of the mesh, each edge once."""
-    return graph_of(vertices, edges_of(faces))
+    """Edge lengths (n, n) in the units of the mesh, each edge once, and the bridges between pieces."""
+    edges = edges_of(faces)
+    return graph_of(vertices, np.concatenate([edges, bridges(vertices, edges)]))
+
+
+def bridges(vertices: np.ndarray, edges: np.ndarray, *, every: bool = False) -> np.ndarray:
+    """The shortest connection (b, 2) of each piece of a mesh with its largest piece, as pairs of vertices.
+
+    Pieces are what hangs together over edges (E, 2). Vertices without an edge stay apart. With ``every`` each vertex of
+    the smaller pieces is connected, not the nearest of each piece alone.
+    """
+    number, label = labels_of(len(vertices), edges[:, 0], edges[:, 1])
+    sizes = np.bincount(label, minlength=number)
+    if (sizes > 1).sum() < 2:
+        return np.empty((0, 2), np.int64)
+    main = int(sizes.argmax())
+    on_main = np.flatnonzero(label == main)
+    others = np.flatnonzero((label != main) & (sizes[label] > 1))
+    gap, near = cKDTree(vertices[on_main]).query(vertices[others])
+    order = np.lexsort([gap, label[others]])
+    first = order if every else order[np.unique(label[others][order], return_index=True)[1]]
+    return np.stack([others[first], on_main[near[first]]], axis=1)
 
 
 def graph_of(points: np.ndarray, edges: np.ndarray) -> sp.csr_matrix:

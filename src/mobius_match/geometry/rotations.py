@@ -42,17 +42,7 @@ def _nearest_rotations(matrices: np.ndarray, found: np.ndarray) -> None:
         found[i] = np.eye(3)
         if not size > 0.0:
             continue
-        # The unit quaternion q of the rotation maximises q^T K q.
-        k[0, 0] = (a[0, 0] + a[1, 1] + a[2, 2]) / size
-        k[1, 1] = (a[0, 0] - a[1, 1] - a[2, 2]) / size
-        k[2, 2] = (a[1, 1] - a[0, 0] - a[2, 2]) / size
-        k[3, 3] = (a[2, 2] - a[0, 0] - a[1, 1]) / size
-        k[0, 1] = k[1, 0] = (a[2, 1] - a[1, 2]) / size
-        k[0, 2] = k[2, 0] = (a[0, 2] - a[2, 0]) / size
-        k[0, 3] = k[3, 0] = (a[1, 0] - a[0, 1]) / size
-        k[1, 2] = k[2, 1] = (a[0, 1] + a[1, 0]) / size
-        k[1, 3] = k[3, 1] = (a[0, 2] + a[2, 0]) / size
-        k[2, 3] = k[3, 2] = (a[1, 2] + a[2, 1]) / size
+        _fill_quaternion_matrix(a, size, k)
         largest = _largest_eigenvalue(k)
         for row in range(4):
             k[row, row] -= largest
@@ -70,6 +60,33 @@ def _nearest_rotations(matrices: np.ndarray, found: np.ndarray) -> None:
         found[i, 0] = 1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)
         found[i, 1] = 2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)
         found[i, 2] = 2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)
+
+
+@jit
+def largest_trace(matrix: np.ndarray) -> float:
+    """The largest trace of R^T A over all rotations R, for one matrix A (3, 3)."""
+    size = np.sqrt((matrix**2).sum())
+    if not size > 0.0:
+        return 0.0
+    k = np.empty((4, 4))
+    _fill_quaternion_matrix(matrix, size, k)
+    return _largest_eigenvalue(k) * size
+
+
+@jit
+def _fill_quaternion_matrix(a: np.ndarray, size: float, k: np.ndarray) -> None:
+    """Write the symmetric matrix K (4, 4) of a matrix A (3, 3), divided by a size."""
+    # The unit quaternion q of the rotation maximises q^T K q.
+    k[0, 0] = (a[0, 0] + a[1, 1] + a[2, 2]) / size
+    k[1, 1] = (a[0, 0] - a[1, 1] - a[2, 2]) / size
+    k[2, 2] = (a[1, 1] - a[0, 0] - a[2, 2]) / size
+    k[3, 3] = (a[2, 2] - a[0, 0] - a[1, 1]) / size
+    k[0, 1] = k[1, 0] = (a[2, 1] - a[1, 2]) / size
+    k[0, 2] = k[2, 0] = (a[0, 2] - a[2, 0]) / size
+    k[0, 3] = k[3, 0] = (a[1, 0] - a[0, 1]) / size
+    k[1, 2] = k[2, 1] = (a[0, 1] + a[1, 0]) / size
+    k[1, 3] = k[3, 1] = (a[0, 2] + a[2, 0]) / size
+    k[2, 3] = k[3, 2] = (a[1, 2] + a[2, 1]) / size
 
 
 @jit

@@ -7,7 +7,6 @@ from dataclasses import dataclass, field
 from functools import partial
 from typing import Any, Unpack
 
-import numpy as np
 from threadpoolctl import threadpool_limits
 
 from .._core.display import one_line
@@ -27,9 +26,14 @@ from ..surface.prepare import begin_preparation, complete_preparation
 from ..surface.prepared import check_effective, settings_used
 from ..surface.surface import Surface
 from ..voting.votes import Votes, cast_votes
+from .handles import best_reading
 from .parameters import Parameters
 from .partial.coverage import Coverage
-from .partial.part import PartMatch, choose_coverage, locate_parts
+from .partial.decision import choose_coverage
+from .partial.part import PartMatch, locate_parts
+from .pieces.main_pair import choose_main_pair
+from .pieces.search import PieceSearch, without_preparation
+from .pieces.whole import with_all_pieces
 from .reading import aligned_matches, dense_map_of_part, dense_map_of_whole, part_matches, voted_matches
 
 
@@ -100,15 +104,26 @@ def match(
     clock = Stopwatch()
     first, second = _prepared((source, target), chosen, settings, preset, cache, progress, parameters, clock)
     chosen, target_preparation, of_preparation = settings_used(chosen, first.settings, second.settings)
-    constraints, of_landmarks = None, list[str]()
-    if landmarks is not None:
-        constraints, of_landmarks = landmark_constraints(landmarks, first, second, parameters.alignment.landmarks)
-    votes = cast_votes(first, second, chosen, progress, parameters=parameters.alignment.voting)
-    clock.lap("voting")
-    # One BLAS thread: sums must not depend on the number of processors.
-    with threadpool_limits(limits=1, user_api="blas"):
-        outcome = align(first, second, votes, chosen, parameters, constraints)
+    again = partial(match, parameters=parameters, **without_preparation(chosen))
+    search = PieceSearch(again, chosen, parameters.surface, parameters.alignment, parameters.pieces)
+    if landmarks is None and (of_main := choose_main_pair(first, second, search)) is not None:
+        return with_all_pieces(*of_main, search)
+
+    def explain(one: Surface, two: Surface) -> tuple[list[Alignment], _Explained]:
+        constraints, of_landmarks = None, list[str]()
+        if landmarks is not None:
+            constraints, of_landmarks = landmark_constraints(landmarks, one, two, parameters.alignment.landmarks)
+        votes = cast_votes(one, two, chosen, progress, parameters=parameters.alignment.voting)
+        clock.lap("voting")
+        # One BLAS thread: sums must not depend on the number of processors.
+        with threadpool_limits(limits=1, user_api="blas"):
+            outcome = align(one, two, votes, chosen, parameters, constraints)
         clock.lap("alignments")
+        return outcome.alignments, (outcome, constraints, of_landmarks)
+
+    first, second, explained, of_handles = best_reading(first, second, explain, parameters)
+    outcome, constraints, of_landmarks = explained
+    with threadpool_limits(limits=1, user_api="blas"):
         matches = read_matches(first, second, outcome, chosen, parameters)
         matches = with_given_pairs(matches, constraints, second)
     if not len(matches["pairs"]):
@@ -118,7 +133,7 @@ def match(
         )
     clock.lap("matches")
     given = {} if constraints is None else {"landmarks": constraints.pairs.tolist()}
-    return Correspondence(
+    result = Correspondence(
         **matches,
         source_info=first.info,
         target_info=second.info,
@@ -144,6 +159,7 @@ def match(
             *outcome.votes.warnings,
             *outcome.notes,
             *of_landmarks,
+            *of_handles,
             *ambiguity_warnings(outcome.alignments, parameters.alignment),
         ),
         _make_alternatives=partial(_alternatives, first, second, outcome, chosen, parameters),
@@ -152,6 +168,10 @@ def match(
         target=second,
         votes=outcome.votes,
     )
+    return with_all_pieces(result, [], search)
+
+
+_Explained = tuple["Outcome", LandmarkConstraints | None, list[str]]
 
 
 def _prepared(
@@ -240,8 +260,7 @@ def align(
         constraints,
         constants.voting,
     )
-    cost = candidates[0].cost if candidates else np.inf
-    coverage, part, notes = choose_coverage(source, target, parts, alignments, cost, parameters.partial)
+    coverage, part, notes = choose_coverage(source, target, parts, alignments, parameters.partial, constants)
     return Outcome(votes, coverage, [] if part else alignments, part, notes)
 
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from ..alignments.parameters import AlignmentParameters
 from ..surface.parameters import SurfaceParameters
 from .partial.parameters import PartialParameters
+from .pieces.parameters import PiecesParameters
 
 
 @dataclass(frozen=True)
@@ -19,3 +20,4 @@ class Parameters:
     surface: SurfaceParameters = SurfaceParameters()
     alignment: AlignmentParameters = AlignmentParameters()
     partial: PartialParameters = PartialParameters()
+    pieces: PiecesParameters = PiecesParameters()

@@ -88,13 +88,15 @@ def _reported(
     threshold = LEAST_PROBABILITY if settings.threshold is None else settings.threshold
     kept = np.flatnonzero((probability >= threshold) & (voted | (settings.recovery_radius > 0)))
     kept = kept[np.argsort(-probability[kept], kind="stable")]
+    # Vertices of a cut, or of an envelope, can have one number in the user's mesh.
+    kept = kept[np.sort(np.unique(source.mesh.vertex_ids[here[kept]], return_index=True)[1])]
     if distances is not None:
         kept = thin_out(distances, settings.spacing, np.isin(here[kept], source.samples), kept)
     points, mesh = points[kept], target.whole_mesh
     if target.detail is not None:
         points = target.detail.lifted(target.mesh, points)
     # Two neighbors may end at one vertex; the more confident one keeps it.
-    _, first = np.unique(points.nearest, return_index=True)
+    _, first = np.unique(mesh.vertex_ids[points.nearest], return_index=True)
     first = np.sort(first)
     kept, there = kept[first], points[first]
     return {

@@ -84,6 +84,7 @@ def read_mesh(path: str | os.PathLike[str]) -> Mesh:
         face_ids=raw.face_ids,
         n_file_faces=raw.n_faces,
         notes=tuple(raw.notes),
+        names=tuple(raw.names.items()),
     )
 
 
@@ -155,7 +156,12 @@ def as_mesh(thing: Any) -> Mesh:
     found = arrays_of(thing)
     if isinstance(found, RawMesh):
         return Mesh(
-            found.vertices, found.faces, face_ids=found.face_ids, n_file_faces=found.n_faces, notes=tuple(found.notes)
+            found.vertices,
+            found.faces,
+            face_ids=found.face_ids,
+            n_file_faces=found.n_faces,
+            notes=tuple(found.notes),
+            names=tuple(found.names.items()),
         )
     if found is not None:
         return Mesh(*found)

@@ -15,6 +15,7 @@ from .links import fan_links
 from .loops import closing_edges, loop_of, shortest_tree
 from .measure import areas, unit_box
 from .mesh import Floats, Ints, Mesh, count
+from .parameters import EnvelopeParameters
 from .topology import (
     EdgeTable,
     boundary_lengths,
@@ -41,6 +42,11 @@ def number_of_handles(faces: Ints, table: EdgeTable | None = None) -> int:
     """The genus of one connected, orientable manifold (m, 3) in which every vertex is used."""
     table = table or edge_table(faces)
     return (2 - len(boundary_lengths(table)) - euler_characteristic(faces, table)) // 2
+
+
+def is_wild(mesh: Mesh, parameters: EnvelopeParameters = EnvelopeParameters()) -> bool:
+    """Whether a repaired mesh in one piece has so many handles that an envelope stands for it."""
+    return number_of_handles(mesh.faces) > parameters.most_handles
 
 
 def handle_loops(mesh: Mesh) -> list[Ints]:
@@ -76,8 +82,9 @@ def handle_loops(mesh: Mesh) -> list[Ints]:
                 "edges without cutting it in two. Use a finer mesh."
             )
         loops += [origin[loop] for loop in found]
-        faces, more = cut_faces(faces, found)
-        origin = origin[more]
+        if len(loops) < number:
+            faces, more = cut_faces(faces, found)
+            origin = origin[more]
     return loops
 
 

@@ -44,6 +44,12 @@ class Mesh:
         Numbers of vertices and faces of the user's file.
     notes
         One line for each change made on reading and repair.
+    names
+        The faces of each group, object or material of an OBJ file, and of each node or mesh of a scene: pairs of a name
+        and face numbers of the file.
+    others
+        The other pieces of the file, repaired, if this mesh is one of several; else None. Its vertices and faces have
+        the user's numbers too.
 
     Raises
     ------
@@ -61,6 +67,8 @@ class Mesh:
     n_file_vertices: int = -1
     n_file_faces: int = -1
     notes: tuple[str, ...] = ()
+    names: tuple[tuple[str, Ints], ...] = ()
+    others: Mesh | None = None
 
     def __post_init__(self) -> None:
         vertices = _check_vertices(self.vertices, self.name)

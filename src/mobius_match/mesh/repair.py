@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from .measure import areas, cross_products, unit_box
+from .measure import cross_products, unit_box
 from .mesh import Floats, Ints, Mesh, count
 from .one_sided import shortest_cut
 from .parameters import RepairParameters
@@ -17,18 +17,15 @@ from .topology import Bools, EdgeTable, components, edge_table, sides, used_vert
 
 Sides = tuple[Ints, Bools, Bools]  # of `topology.sides`
 
-LOOSE_AREA = 0.01  # the smallest pieces are dropped as long as their total area stays below this fraction
-
 
 def repair(mesh: Mesh, parameters: RepairParameters = RepairParameters()) -> Mesh:
     """Repair the defects that can be repaired without changing the shape.
 
     Faces that name a vertex twice and duplicate faces are dropped; near-zero-length edges are collapsed; edges with
     more than two faces are separated into sheets; vertices with equal coordinates are merged along seams; vertices
-    where the surface only touches itself are split; small loose pieces and unused vertices are dropped; one-sided
-    surfaces are cut open where a short cut is enough; faces are oriented consistently, closed surfaces outwards; faces
-    without area are removed by edge flips. What cannot be repaired (several large pieces) is refused by
-    `require_matchable`.
+    where the surface only touches itself are split; unused vertices are dropped; one-sided surfaces are cut open where
+    a short cut is enough; faces are oriented consistently, closed surfaces outwards and cavities inwards; faces without
+    area are removed by edge flips. All pieces stay; :func:`.main_piece` chooses the one that is matched.
 
     Returns
     -------
@@ -69,19 +66,9 @@ def repair(mesh: Mesh, parameters: RepairParameters = RepairParameters()) -> Mes
     rows, table, more = _separate(mesh, faces, kept, table)
     faces, kept, notes = faces[rows], kept[rows], [*notes, *more]
 
-    faces, origin, more, table = join_and_cut(faces, twin, table)
+    faces, origin, more, table = join_and_cut(mesh.vertices, faces, twin, table)
     vertices = mesh.vertices[origin]
     notes += more
-
-    loose = _loose(vertices, faces, table)
-    if loose.any():
-        pieces, _ = components(faces[loose])
-        size = areas(vertices, faces)
-        percent = 100 * size[loose].sum() / size.sum()
-        listed = f"{_faces(loose.sum())}, {percent:.2g} % of the area"
-        notes.append(f"{count(pieces, 'small loose piece', 'small loose pieces')} dropped ({listed}).")
-        faces, kept = faces[~loose], kept[~loose]
-        table = edge_table(faces)
 
     known = sides(faces, table)
     if known[2].any():
@@ -157,7 +144,7 @@ def _cut_one_sided(
     if not cuts:
         return faces, origin, notes, table
     cut = cut_edges(table, np.concatenate(cuts))
-    faces, own, _, table = join_and_cut(faces, np.arange(len(origin)), cut)
+    faces, own, _, table = join_and_cut(mesh.vertices[origin], faces, np.arange(len(origin)), cut)
     return faces, origin[own], notes, table
 
 
@@ -194,20 +181,6 @@ def _separate(mesh: Mesh, faces: Ints, kept: Ints, table: EdgeTable) -> tuple[In
     return rows, table, notes
 
 
-def _loose(vertices: Floats, faces: Ints, table: EdgeTable) -> np.ndarray:
-    """Faces of the smallest components, whose total area stays below `LOOSE_AREA`; never the largest."""
-    number, label = components(faces, table)
-    if number < 2:
-        return np.zeros(len(faces), dtype=bool)
-    size = np.bincount(label, weights=areas(vertices, faces), minlength=number)
-    order = np.argsort(size, kind="stable")
-    small = np.cumsum(size[order]) < LOOSE_AREA * size.sum()
-    small[-1] = False
-    drop = np.zeros(number, dtype=bool)
-    drop[order[small]] = True
-    return drop[label]
-
-
 def _orient(vertices: Floats, faces: Ints, table: EdgeTable, known: Sides) -> tuple[Ints, list[str]]:
     """Orient faces consistently: closed pieces outwards, open ones as the majority of their faces."""
     piece, turned, twisted = known
@@ -220,7 +193,14 @@ def _orient(vertices: Floats, faces: Ints, table: EdgeTable, known: Sides) -> tu
     volumes = sign * np.einsum("ij,ij->i", unit[faces[:, 0]], cross_products(unit, faces))
     volume = np.bincount(piece, weights=volumes, minlength=number)
     against = np.bincount(piece, weights=turned, minlength=number)
-    reverse = np.where(open_ | (volume == 0), 2 * against > size, volume < 0)
+    inwards = volume < 0
+    if (size > 0).sum() > 1:
+        from .cavities import cavities_among
+
+        used, label = np.unique(piece, return_inverse=True)
+        oriented = np.where(turned[:, None], faces[:, [0, 2, 1]], faces)
+        inwards[used] ^= cavities_among(vertices, oriented, label, ~open_[used])
+    reverse = np.where(open_ | (volume == 0), 2 * against > size, inwards)
     turned ^= reverse[piece] & ~twisted
     whole = (np.bincount(piece, weights=turned, minlength=number) == size) & (size > 0)
     notes = []

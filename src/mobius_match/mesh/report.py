@@ -10,6 +10,7 @@ import numpy as np
 from ..errors import MeshError, TopologyError
 from .measure import areas, box_scale, cross_products, twins, unit_box
 from .mesh import Ints, Mesh
+from .pieces import MIN_FACES, MIN_VERTICES, joined, main_piece, pieces_named, pieces_of, unreached_vertices
 from .repair import repair, repeated
 from .slivers import MANY, is_flat
 from .topology import (
@@ -26,11 +27,9 @@ from .topology import (
     used_vertices,
 )
 
-MIN_FACES, MIN_VERTICES = 20, 12
-
 
 def require_matchable(mesh: Mesh) -> None:
-    """Refuse a mesh that cannot be flattened; to be called on a repaired mesh.
+    """Refuse a mesh that cannot be flattened; to be called on the :func:`.main_piece` of a repaired mesh.
 
     The flattening of section 5 needs one connected orientable surface, with any number of holes. Handles are cut open
     for it, see :func:`.handles.handle_loops`.
@@ -40,7 +39,7 @@ def require_matchable(mesh: Mesh) -> None:
     MeshError
         If there are too few vertices or faces, or many faces without area.
     TopologyError
-        If there is a surface with one side only, or several pieces.
+        If there is a surface with one side only.
     """
     name, faces = mesh.name, mesh.faces
     if len(faces) < MIN_FACES or len(mesh.vertices) < MIN_VERTICES:
@@ -61,14 +60,6 @@ def require_matchable(mesh: Mesh) -> None:
             f"{name}: the surface has only one side, like a Klein bottle, and a cut that makes it orientable would be "
             "long. Cut it open or give another mesh."
         )
-    number, label = components(faces, table)
-    if number > 1:
-        size = sorted(np.bincount(label).tolist(), reverse=True)
-        listed = ", ".join(map(str, size[:5])) + (", ..." if number > 5 else "")
-        raise TopologyError(
-            f"{name}: {number} separate pieces (with {listed} faces); one is needed. "
-            "Split the file into its pieces, or keep only the largest."
-        )
     if fans(faces, table)[0] != len(used_vertices(faces)):
         raise TopologyError(f"{name}: parts of the surface touch at single vertices. Repair the mesh first.")
     flat = int(is_flat(unit_box(mesh.vertices), faces).sum())
@@ -83,20 +74,29 @@ def describe(mesh: Mesh) -> dict[str, Any]:
     """All that ``mobius info`` shows, as a dictionary for JSON.
 
     Counts of defects (unused and duplicate vertices, degenerate faces, ...), components, sizes and orientation describe
-    the mesh as given; Euler characteristic, genus, boundary and quality describe it after repair.
+    the mesh as given. After repair ``pieces`` describes each piece, the main one first and then by area; Euler
+    characteristic, genus, boundary and quality describe the main piece.
 
     Returns
     -------
     dict
         ``nonmanifold_edge_places`` and ``nonmanifold_vertex_places`` have the user's vertex numbers, coordinates (of an
-        edge its middle) and number of faces; ``notes`` lists the changes made on reading and repair; ``usable`` is
-        whether the mesh can be matched, ``reason`` why not (None if it can). Lengths and areas are in the user's units;
-        undefined ones are None.
+        edge its middle) and number of faces; ``handle_places`` has for each handle the user's vertex numbers along the
+        loop where it can be cut, its middle and its length; ``unreached_vertices`` lists the vertices of the file that
+        are on no face after repair, and so in no map; ``notes`` lists the changes made on reading and repair;
+        ``usable`` is whether the mesh can be matched, ``reason`` why not (None if it can). Lengths and areas are in the
+        user's units; undefined ones are None.
     """
-    repaired = repair(mesh)
-    reason = None
+    from .handles import is_wild, number_of_handles  # compiled
+
+    repaired = main_piece(repair(mesh))
+    reason, handles, notes = None, list[dict[str, Any]](), list(repaired.notes)
     try:
         require_matchable(repaired)
+        if is_wild(repaired):
+            notes.append(f"{number_of_handles(repaired.faces)} handles; an envelope will stand for the surface.")
+        else:
+            handles = _handles(repaired)
     except MeshError as error:
         reason = str(error)
     return {
@@ -108,9 +108,12 @@ def describe(mesh: Mesh) -> dict[str, Any]:
         "file_faces": mesh.n_file_faces,
         **_defects(mesh),
         **_shape(repaired),
+        "handle_places": handles,
         **_sizes(mesh),
         "quality": _quality(repaired),
-        "notes": list(repaired.notes),
+        "pieces": _pieces(repaired),
+        "unreached_vertices": unreached_vertices(repaired).tolist(),
+        "notes": notes,
         "usable": reason is None,
         "reason": reason,
     }
@@ -165,6 +168,44 @@ def _shape(mesh: Mesh) -> dict[str, Any]:
         "closed": bool(len(faces)) and not len(loops),
         "orientable": not sides(faces, table)[2].any(),
     }
+
+
+def _handles(mesh: Mesh) -> list[dict[str, Any]]:
+    """The loops around the handles of a mesh that can be matched."""
+    from .handles import handle_loops, loop_lengths
+
+    loops, scale = handle_loops(mesh), box_scale(mesh.vertices)
+    return [
+        {
+            "vertices": mesh.vertex_ids[loop].tolist(),
+            "place": mesh.vertices[loop].mean(axis=0).tolist(),
+            "length": _finite(length, scale),
+        }
+        for loop, length in zip(loops, loop_lengths(unit_box(mesh.vertices), loops).tolist(), strict=True)
+    ]
+
+
+def _pieces(mesh: Mesh) -> list[dict[str, Any]]:
+    """Each piece of a repaired mesh: the main one, and then the others, the largest first."""
+    if not len(mesh.faces):
+        return []
+    whole, (vertices, _), _ = joined(mesh)
+    pieces = pieces_of(whole)
+    main = pieces.vertices[vertices[0]]
+    names = [(name, pieces_named(whole, pieces, faces)) for name, faces in mesh.names]
+    order = np.argsort(np.where(np.arange(len(pieces)) == main, -np.inf, -pieces.areas), kind="stable")
+    return [
+        {
+            "vertices": int(pieces.sizes[k, 0]),
+            "faces": int(pieces.sizes[k, 1]),
+            "area": _finite(float(pieces.areas[k]), 1.0),
+            "closed": bool(pieces.closed[k]),
+            "cavity": bool(pieces.cavities[k]),
+            "first_vertex": int(whole.vertex_ids[pieces.vertices == k].min()),
+            "names": [name for name, of_name in names if of_name[k]],
+        }
+        for k in order.tolist()
+    ]
 
 
 def _sizes(mesh: Mesh) -> dict[str, Any]:

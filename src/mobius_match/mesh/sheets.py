@@ -6,6 +6,7 @@ Only joined faces then share vertices (:func:`.topology.fans`), so that each she
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from itertools import combinations
 
 import numpy as np
@@ -145,7 +146,7 @@ def _split(
     order, fresh = table.order.copy(), np.zeros(len(table.order), dtype=bool)
     start = np.cumsum(table.counts) - table.counts
     fresh[start] = True
-    pairs = _pairs(vertices, faces, table, banned)
+    pairs = joined_faces(vertices, faces, table, banned)
     for edge in np.flatnonzero(table.counts > 2).tolist():
         place = slice(start[edge], start[edge] + table.counts[edge])
         joined = [corner for pair in pairs.get(edge, ()) for corner in pair]
@@ -155,10 +156,13 @@ def _split(
     return _regrouped(table, order, fresh), pairs
 
 
-def _pairs(
-    vertices: Floats, faces: Ints, table: EdgeTable, banned: set[tuple[int, int]]
+def joined_faces(
+    vertices: Floats, faces: Ints, table: EdgeTable, banned: Collection[tuple[int, int]] = ()
 ) -> dict[int, list[tuple[int, int]]]:
-    """The pairs of joined faces at each non-manifold edge, best first over all edges."""
+    """The pairs of joined faces at each non-manifold edge, as corners opposite to it; best first over all edges.
+
+    Pairs in `banned` are not joined.
+    """
     patch, turned = _patches(faces, table)
     ahead, angle = _around(vertices, faces, table)
     ahead ^= turned.repeat(3)

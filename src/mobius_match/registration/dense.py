@@ -67,7 +67,13 @@ def _in_detail(source: Surface, target: Surface, simple: SurfaceMap) -> SurfaceM
             points, found = onward.target_points, onward.source_mapped
         else:
             points, found = onward.map_points(here.detail.places(here.mesh))
-        sides.append((points if there.detail is None else there.detail.lifted(there.mesh, points), found))
+        if there.detail is not None:
+            heights = None
+            if here.detail is not None and here.envelope and there.envelope:
+                # Walls inside of an envelope are mapped to walls, not to the outside.
+                heights = here.detail.heights(here.mesh) * (there.scale / here.scale)
+            points = there.detail.lifted(there.mesh, points, heights)
+        sides.append((points, found))
     (points, found), (back, back_found) = sides
     return SurfaceMap(source.whole_mesh, target.whole_mesh, points, back, found, back_found)
 

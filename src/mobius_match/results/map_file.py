@@ -17,12 +17,16 @@ from ..mesh import Mesh
 FORMAT = "mobius-match/map"
 VERSION = 1
 
-Fields = tuple[Mesh, Mesh, SurfacePoints, SurfacePoints, np.ndarray, np.ndarray]
-"""Source and target, target points and source points, and which vertices of source and target are mapped."""
+Fields = tuple[Mesh, Mesh, SurfacePoints, SurfacePoints, np.ndarray, np.ndarray, np.ndarray | None, np.ndarray | None]
+"""Source and target, target points and source points, which vertices of source and target are mapped, and the carried
+positions of both."""
 
 
 def to_npz(
-    meshes: tuple[Mesh, Mesh], points: tuple[SurfacePoints, SurfacePoints], mapped: tuple[np.ndarray, np.ndarray]
+    meshes: tuple[Mesh, Mesh],
+    points: tuple[SurfacePoints, SurfacePoints],
+    mapped: tuple[np.ndarray, np.ndarray],
+    carried: tuple[np.ndarray | None, np.ndarray | None],
 ) -> bytes:
     """The content of the file."""
     buffer = io.BytesIO()
@@ -34,6 +38,9 @@ def to_npz(
     sides = tuple(zip(("source", "target"), meshes, strict=True))
     for side, mesh in sides:
         arrays |= {f"{side}_{name}": getattr(mesh, name) for name in ("vertices", "faces", "vertex_ids", "face_ids")}
+    for side, positions in zip(("points", "back"), carried, strict=True):
+        if positions is not None:
+            arrays[f"{side}_carried"] = positions
     head = {"format": FORMAT, "version": VERSION} | {
         side: {"name": mesh.name, "path": None if mesh.path is None else str(mesh.path), "sha256": mesh.sha256}
         | {"n_file_vertices": mesh.n_file_vertices, "n_file_faces": mesh.n_file_faces}
@@ -70,7 +77,8 @@ def read_npz(path: str | os.PathLike[str]) -> Fields:
             SurfacePoints(*(found[f"{side}_{name}"] for name in ("faces", "corners", "barycentric")))
             for side in ("points", "back")
         )
-        return source, target, target_points, source_points, found["found"], found["back_found"]
+        carried = found.get("points_carried"), found.get("back_carried")
+        return source, target, target_points, source_points, found["found"], found["back_found"], *carried
     except (OSError, ValueError, KeyError, TypeError, EOFError, zipfile.BadZipFile) as error:
         if isinstance(error, FormatError):
             raise

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 
@@ -11,11 +11,11 @@ import numpy as np
 
 from .._core.display import html_table, shortened
 from .._core.files import write_atomically
-from ..errors import SettingsError
 from ..geometry.points import SurfacePoints, closest_points, points_at
 from ..mesh import Mesh
 from .functional import Eigenbasis, check_count, in_file_order, map_of_functions, repaired_eigenbasis
 from .map_file import read_npz, to_npz
+from .transferred import transferred_labels, transferred_values
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,6 +35,10 @@ class SurfaceMap:
         (n2,) points of the source, one for each vertex of the target.
     source_mapped, target_mapped
         (n1,) and (n2,) bool: which vertices have a counterpart. The points of the others have no meaning.
+    source_carried, target_carried
+        (n1, 3) and (n2, 3) float64, or None: positions beside the other surface, in its units, of the vertices of
+        pieces that are not matched and are carried along with what they lie next to; NaN for all others. The points of
+        these vertices are the images of the nearest points of the matched pieces.
     """
 
     source: Mesh
@@ -43,6 +47,8 @@ class SurfaceMap:
     source_points: SurfacePoints
     source_mapped: np.ndarray
     target_mapped: np.ndarray
+    source_carried: np.ndarray | None = None
+    target_carried: np.ndarray | None = None
 
     def __repr__(self) -> str:
         return f"<SurfaceMap {self._title}: {self._mapped(self.source_mapped)}>"
@@ -69,7 +75,14 @@ class SurfaceMap:
     def inverse(self) -> SurfaceMap:
         """The map from the target to the source."""
         return SurfaceMap(
-            self.target, self.source, self.source_points, self.target_points, self.target_mapped, self.source_mapped
+            self.target,
+            self.source,
+            self.source_points,
+            self.target_points,
+            self.target_mapped,
+            self.source_mapped,
+            self.target_carried,
+            self.source_carried,
         )
 
     @cached_property
@@ -86,8 +99,13 @@ class SurfaceMap:
 
     @cached_property
     def positions(self) -> np.ndarray:
-        """The images of the source's vertices, (n1, 3) float64 in the target's units; NaN without a counterpart."""
+        """The images of the source's vertices, (n1, 3) float64 in the target's units; NaN without a counterpart.
+
+        Vertices of pieces that are carried along lie beside the target as they lie beside the source.
+        """
         places = self.target_points.values(self.target.vertices)
+        if self.source_carried is not None:
+            places = np.where(np.isnan(self.source_carried), places, self.source_carried)
         places[~self.source_mapped] = np.nan
         return places
 
@@ -132,7 +150,7 @@ class SurfaceMap:
         found[here] = back_found[there] = True
         points = self.target_points.replaced(here, points_at(self.target.faces, there))
         back = self.source_points.replaced(there, points_at(self.source.faces, here))
-        return SurfaceMap(self.source, self.target, points, back, found, back_found)
+        return replace(self, target_points=points, source_points=back, source_mapped=found, target_mapped=back_found)
 
     def transfer(self, values: np.ndarray) -> np.ndarray:
         """Transfer values at the source's vertices to the target's, interpolated linearly within faces.
@@ -152,13 +170,7 @@ class SurfaceMap:
         SettingsError
             If there is not one row for each vertex of the source's file.
         """
-        values = _rows(values, self.source.n_file_vertices, "vertices", self.source).astype(np.float64)
-        at_vertices = self.source_points.values(values[self.source.vertex_ids])
-        at_vertices[~self.target_mapped] = np.nan
-        transferred = np.full((self.target.n_file_vertices, *values.shape[1:]), np.nan)
-        # Backwards, so that of several vertices with one number in the file the first decides.
-        transferred[self.target.vertex_ids[::-1]] = at_vertices[::-1]
-        return transferred
+        return transferred_values(self.source, self.target, self.source_points, self.target_mapped, values)
 
     def transfer_labels(self, labels: np.ndarray) -> np.ndarray:
         """Transfer labels of the source's faces to the target's; a label is never interpolated.
@@ -179,17 +191,9 @@ class SurfaceMap:
         SettingsError
             If there is not one whole number for each face of the source's file.
         """
-        labels = _rows(labels, self.source.n_file_faces, "faces", self.source)
-        if not np.issubdtype(labels.dtype, np.integer):
-            raise SettingsError(f"{self.source.name}: labels are to be whole numbers, and are {labels.dtype}")
-        mesh = self.target
-        centres = SurfacePoints(np.arange(len(mesh.faces)), mesh.faces, np.full((len(mesh.faces), 3), 1 / 3))
-        images, found = self.inverse.map_points(centres)
-        carried = np.full(mesh.n_file_faces, -1, np.int64)
-        # Backwards, so that of the triangles of one polygon the first decides.
-        order = np.flatnonzero(found)[::-1]
-        carried[mesh.face_ids[order]] = labels[self.source.face_ids[images.faces[order]]]
-        return carried
+        faces = self.target.faces
+        centres = SurfacePoints(np.arange(len(faces)), faces, np.full((len(faces), 3), 1 / 3))
+        return transferred_labels(self.source, self.target, *self.inverse.map_points(centres), labels)
 
     def eigenbases(self, k: int) -> tuple[Eigenbasis, Eigenbasis]:
         """The first eigenfunctions of both meshes, in which :meth:`functional_map` is expressed.
@@ -287,6 +291,7 @@ class SurfaceMap:
             (self.source, self.target),
             (self.target_points, self.source_points),
             (self.source_mapped, self.target_mapped),
+            (self.source_carried, self.target_carried),
         )
 
     @classmethod
@@ -309,11 +314,3 @@ class SurfaceMap:
             If the file cannot be read or is none of this version.
         """
         return cls(*read_npz(path))
-
-
-def _rows(values: np.ndarray, number: int, what: str, mesh: Mesh) -> np.ndarray:
-    values = np.asarray(values)
-    if values.ndim == 0 or len(values) != number:
-        length = 0 if values.ndim == 0 else len(values)
-        raise SettingsError(f"{mesh.name} has {number} {what}, and {length} values were given: one is needed for each")
-    return values

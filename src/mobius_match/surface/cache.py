@@ -98,7 +98,8 @@ def load_cached(
         os.utime(path)  # used last now
     log.info("%s: prepared before, taken from %s", mesh.name, path)
     # A file of the same content may have had another name.
-    return replace(surface, mesh=replace(surface.mesh, path=mesh, name=mesh.name))
+    one, *others = (replace(x, mesh=replace(x.mesh, path=mesh, name=mesh.name)) for x in surface.readings)
+    return replace(one, other=others[0] if others else None)
 
 
 def store(mesh: str | os.PathLike[str], surface: Surface) -> None:

@@ -17,17 +17,22 @@ from ..geometry.geodesics import geodesic_solver, heat_solver, nearest_centres
 from ..geometry.laplacian import intrinsic_mesh
 from ..geometry.spectral import eigenbasis, wave_kernel_signature
 from ..mesh import Mesh
+from ..mesh.envelope import Envelope, envelopes
 from ..mesh.files import as_mesh
-from ..mesh.handles import cut_along, handle_loops, handles_note
+from ..mesh.handles import cut_faces, handle_loops, is_wild
+from ..mesh.pieces import main_piece
 from ..mesh.repair import repair
 from ..mesh.report import require_matchable
-from ..settings import PrepareOptions, PrepareSettings, Preset, make_prepare_settings
+from ..mesh.topology import boundary_edges
+from ..settings import WHICH_PIECES, PrepareOptions, PrepareSettings, Preset, make_prepare_settings
 from .cache import load_cached, store
+from .disc import disc_positions
 from .flattening import choose_cut_face, flatten, vertex_positions
+from .handles import handle_readings
 from .parameters import SurfaceParameters
 from .prepared import check_effective
-from .sampling import proxy_points, sample_points
-from .simplified import simplified
+from .sampling import proxy_points, sample_points, straightness
+from .simplified import beside_envelope, simplified
 from .storage import ENDING
 from .surface import Surface
 
@@ -102,7 +107,7 @@ def begin_preparation(
         kept = load_cached(thing, settings, parameters) if cache else None
         if kept is not None:
             return kept
-    return matchable_mesh(thing)
+    return matchable_mesh(thing, settings.pieces)
 
 
 def complete_preparation(
@@ -122,15 +127,18 @@ def complete_preparation(
     return surface
 
 
-def matchable_mesh(thing: Any) -> Mesh:
+def matchable_mesh(thing: Any, pieces: str = "largest") -> Mesh:
     """The repaired mesh of a path, of arrays, or of an object with both, if it can be matched at all.
+
+    Of several pieces it is the :func:`.main_piece`, with the others beside it; ``pieces`` as in
+    :class:`.PrepareSettings`.
 
     Raises
     ------
     MeshError
         If it cannot; the message says why and what to do.
     """
-    mesh = repair(as_mesh(thing))
+    mesh = main_piece(repair(as_mesh(thing)), None if pieces in WHICH_PIECES else pieces)
     require_matchable(mesh)
     return mesh
 
@@ -145,22 +153,33 @@ def prepare_mesh(
     report = progress or (lambda stage, done, total: None)
     # One BLAS thread: these are many small calls, and sums must not depend on the number of processors.
     with threadpool_limits(limits=1, user_api="blas"):
-        mesh, loops = without_handles(mesh)
-        return _prepare(mesh, loops, settings, report, parameters)
+        if is_wild(mesh):
+            surfaces = [_on_envelope(mesh, one, settings, report, parameters) for one in envelopes(mesh)]
+        else:
+            handles = handle_readings(mesh, parameters.proxy_size)
+            surfaces = [
+                _prepare(one, handles.loops, k > 0, settings, report, parameters)
+                for k, one in enumerate(handles.meshes)
+            ]
+    return surfaces[0] if len(surfaces) == 1 else replace(surfaces[0], other=surfaces[1])
 
 
-def without_handles(mesh: Mesh) -> tuple[Mesh, list[np.ndarray]]:
-    """A mesh cut open along a loop around each of its handles, and the loops in the numbers of the user's mesh."""
-    loops = handle_loops(mesh)
-    if not loops:
-        return mesh, []
-    cut, _ = cut_along(mesh, loops)
-    cut = replace(cut, notes=(*mesh.notes, handles_note(mesh, loops, "cut open")))
-    return cut, [mesh.vertex_ids[loop] for loop in loops]
+def _on_envelope(
+    mesh: Mesh, outer: Envelope, settings: PrepareSettings, progress: Progress, parameters: SurfaceParameters
+) -> Surface:
+    """The surface of an envelope, cut open along its handles, with the mesh that it stands for as its detail."""
+    handles = handle_readings(outer.mesh, parameters.proxy_size)
+    surface = _prepare(handles.meshes[0], handles.loops, False, settings, progress, parameters)
+    return replace(surface, detail=beside_envelope(surface.mesh, mesh), envelope=outer.offset)
 
 
 def _prepare(
-    mesh: Mesh, loops: list[np.ndarray], settings: PrepareSettings, progress: Progress, parameters: SurfaceParameters
+    mesh: Mesh,
+    loops: list[np.ndarray],
+    handles_kept: bool,
+    settings: PrepareSettings,
+    progress: Progress,
+    parameters: SurfaceParameters,
 ) -> Surface:
     warnings = []
     clock = Stopwatch()
@@ -181,6 +200,17 @@ def _prepare(
     else:
         solver = geodesic_solver(vertices, mesh.faces, settings.geodesics)
     samples = sample_points(triangulation, solver, settings.samples, parameters)
+    if (
+        settings.geodesics == "heat"
+        and straightness(vertices[samples.vertices], samples) < parameters.least_straightness
+    ):
+        # Heat takes long thin faces, which no flip improves, for shortcuts.
+        warnings.append(
+            "has faces so long and thin that distances by the heat method were shorter than straight lines; shortest "
+            "paths along edges were used instead"
+        )
+        solver = geodesic_solver(vertices, mesh.faces, "dijkstra")
+        samples = sample_points(triangulation, solver, settings.samples, parameters)
     if not np.isfinite(samples.distances).all():
         raise MeshError(f"{mesh.name}: geodesic distances could not be computed; check the mesh for sliver triangles")
     if len(samples.vertices) < settings.samples:
@@ -195,14 +225,17 @@ def _prepare(
     clock.lap("sampling")
     progress(f"flattening {mesh.name}", 1, 3)
     average = cells @ samples.distances / area
-    cut_face = choose_cut_face(triangulation, average)
-    flattening = flatten(triangulation, cut_face)
+    flat, origin = triangulation, np.arange(len(vertices))
+    if handles_kept:
+        faces, origin = cut_faces(mesh.faces, handle_loops(mesh))
+        flat = intrinsic_mesh(vertices[origin], faces, delaunay=settings.triangulation == "delaunay")
+    flattening = flatten(flat, choose_cut_face(flat, average[origin]))
     if not flattening.closure < LARGEST_CLOSURE:
         warnings.append(
             f"the flattening closes only to {flattening.closure:.1e} of its extent; "
             "matches may suffer; remove sliver triangles"
         )
-    positions = vertex_positions(flattening, triangulation, samples.vertices, settings.placement)
+    positions = vertex_positions(flattening, flat, samples.vertices, settings.placement)
     clock.lap("flattening")
     progress(f"describing {mesh.name}", 2, 3)
     eigenvalues, eigenfunctions = eigenbasis(triangulation, parameters.eigenfunctions)
@@ -217,6 +250,9 @@ def _prepare(
         ]
     )
     proxy = proxy_points(areas, parameters.proxy_size, samples.vertices)
+    # A boundary along which a handle was cut open is no edge of a disc.
+    rim = np.isin(mesh.vertex_ids[boundary_edges(mesh.faces)], np.concatenate([*loops, []])).all()
+    disc = np.empty(0, np.complex128) if rim else disc_positions(flattening, flat, proxy)
     nearest = nearest_centres(vertices, mesh.faces, proxy)
     touching = np.sort(nearest[mesh.faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)], axis=1)
     clock.lap("descriptors")
@@ -231,6 +267,7 @@ def _prepare(
         distances=distances * scale,
         cells=cells * scale**2,
         positions=positions,
+        disc=disc,
         signatures=signatures,
         eigenvalues=eigenvalues,
         eigenfunctions=eigenfunctions.astype(np.float32),
@@ -242,6 +279,9 @@ def _prepare(
         closure=flattening.closure,
         loops=np.array([vertex for loop in loops for vertex in loop.tolist()], np.int64),
         loop_sizes=np.array([len(loop) for loop in loops], np.int64),
+        handles_kept=handles_kept,
+        envelope=0.0,
+        other=None,
         area=area * scale**2,
         diameter=float(samples.distances.max()) * scale,
         timings=clock.laps,

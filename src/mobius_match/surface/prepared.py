@@ -8,7 +8,7 @@ from typing import Any
 
 from ..errors import SettingsError
 from ..mesh import Mesh
-from ..settings import PRESETS, MatchSettings, PrepareSettings
+from ..settings import PRESETS, MatchSettings, PrepareSettings, prepared_piece
 from .surface import Surface
 
 
@@ -36,6 +36,8 @@ def check_effective(thing: Surface | Mesh, argument: str, chosen: Mapping[str, A
     of_preset = {} if preset is None else PRESETS[preset]
     for name, has in asdict(thing.settings).items():
         value = chosen.get(name, of_preset.get(name, has))
+        if name == "pieces":
+            value = prepared_piece(value)
         if value != has:
             if name in chosen:
                 what, remedy = f"`{name}` is {value!r}", f"`{name}` {value!r}"
@@ -68,9 +70,12 @@ def settings_used(
     warnings
         A line if it differs.
     """
-    used = replace(settings, **asdict(source))
+    pieces = settings.pieces if prepared_piece(settings.pieces) == source.pieces else source.pieces
+    used = replace(settings, **asdict(source) | {"pieces": pieces})
     if source == target:
         return used, {}, []
+    if replace(source, pieces=target.pieces) == target:  # which piece is the main one need not be the same
+        return used, {"target_preparation": asdict(target)}, []
     mine, theirs = asdict(source), asdict(target)
     values = [f"{name} {mine[name]} and {theirs[name]}" for name in mine if mine[name] != theirs[name]]
     warning = (

@@ -85,6 +85,18 @@ def sample_points(
     return Samples(np.array(chosen, np.int64), n_maxima, np.array(rows))
 
 
+def straightness(points: np.ndarray, samples: Samples) -> float:
+    """The least ratio of a distance between two samples to the straight line between them, points (N, 3).
+
+    It is at least 1 for exact distances.
+    """
+    one, two = np.triu_indices(len(points), 1)
+    straight = np.linalg.norm(points[one] - points[two], axis=1)
+    apart = straight > 0
+    found = samples.distances[:, samples.vertices]
+    return float(((found + found.T)[one, two][apart] / (2 * straight[apart])).min(initial=np.inf))
+
+
 def proxy_points(areas: np.ndarray, count: int, samples: np.ndarray) -> np.ndarray:
     """At most ``count`` vertices (p,) int64, ascending: the samples, and others drawn as likely as their areas.
 

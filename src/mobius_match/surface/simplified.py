@@ -1,13 +1,15 @@
-"""The user's own mesh beside the simplified one that is computed on, where the user's is large."""
+"""The user's own mesh beside another that is computed on: a simplified one, or an envelope."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from .._core.display import one_line
 from ..errors import MeshError
+from ..geometry.normals import vertex_normals
 from ..geometry.points import SurfacePoints, closest_points
 from ..mesh import Mesh, require_matchable
 from ..mesh.measure import unit_box
@@ -16,14 +18,14 @@ from ..mesh.simplify import simplify
 
 @dataclass(frozen=True, eq=False)
 class Detail:
-    """What a simplified mesh has left out.
+    """What a simplified mesh, or an envelope, has left out.
 
     Parameters
     ----------
     mesh
         The user's mesh, repaired.
     kept
-        (k,) int32: of each vertex of the simplified mesh the number in ``mesh``.
+        (k,) int32: of each vertex of the simplified mesh the number in ``mesh``; of an envelope's the closest one.
     faces, barycentric
         (n,) int32 and (n, 3) float32: for each vertex of ``mesh`` a face of the simplified one, and the place in it.
     """
@@ -40,12 +42,27 @@ class Detail:
         """Where the user's vertices (n,) lie on the simplified mesh: ``places(simple).values(x)`` carries x to them."""
         return SurfacePoints(self.faces, simple.faces[self.faces], self.barycentric)
 
-    def lifted(self, simple: Mesh, points: SurfacePoints) -> SurfacePoints:
-        """Points of the simplified mesh (q,) as points of the user's, next to them."""
+    def lifted(self, simple: Mesh, points: SurfacePoints, heights: np.ndarray | None = None) -> SurfacePoints:
+        """Points of the simplified mesh (q,) as points of the user's, next to them, or at a height (q,) above them."""
+        positions = points.values(simple.vertices)
+        if heights is not None:
+            positions = positions + heights[:, None] * _unit_normals(simple, points)
         # The box keeps squares far from overflow, whatever the units of the file.
-        both = unit_box(np.concatenate([self.mesh.vertices, points.values(simple.vertices)]))
+        both = unit_box(np.concatenate([self.mesh.vertices, positions]))
         n = len(self.mesh.vertices)
-        return closest_points(both[:n], self.mesh.faces, both[n:], self.kept[points.nearest])
+        near = self.kept[points.nearest] if heights is None else cKDTree(both[:n]).query(both[n:])[1]
+        return closest_points(both[:n], self.mesh.faces, both[n:], near)
+
+    def heights(self, simple: Mesh) -> np.ndarray:
+        """How far the user's vertices (n,) lie outside of an envelope, in the units of the mesh; mostly negative."""
+        places = self.places(simple)
+        arms = self.mesh.vertices - places.values(simple.vertices)
+        return np.asarray((arms * _unit_normals(simple, places)).sum(axis=1))
+
+
+def _unit_normals(mesh: Mesh, points: SurfacePoints) -> np.ndarray:
+    normals = points.values(vertex_normals(unit_box(mesh.vertices), mesh.faces))
+    return normals / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), np.finfo(float).tiny)
 
 
 def simplified(mesh: Mesh, count: int, ratio: float) -> tuple[Mesh, Detail | None]:
@@ -77,6 +94,7 @@ def simplified(mesh: Mesh, count: int, ratio: float) -> tuple[Mesh, Detail | Non
         faces=faces,
         vertex_ids=mesh.vertex_ids[kept],
         face_ids=np.full(len(faces), -1),
+        others=None,
     )
     try:
         require_matchable(simple)
@@ -84,3 +102,12 @@ def simplified(mesh: Mesh, count: int, ratio: float) -> tuple[Mesh, Detail | Non
         return mesh, None
     places = closest_points(unit[kept], faces, unit, home)
     return simple, Detail(mesh, kept.astype(np.int32), places.faces.astype(np.int32), places.barycentric.astype("f4"))
+
+
+def beside_envelope(simple: Mesh, mesh: Mesh) -> Detail:
+    """How the user's mesh lies on an envelope, or on what simplification and cuts have made of it."""
+    unit = unit_box(np.concatenate([mesh.vertices, simple.vertices]))
+    theirs, ours = unit[: len(mesh.vertices)], unit[len(mesh.vertices) :]
+    places = closest_points(ours, simple.faces, theirs, cKDTree(ours).query(theirs)[1])
+    kept = cKDTree(theirs).query(ours)[1]
+    return Detail(mesh, kept.astype(np.int32), places.faces.astype(np.int32), places.barycentric.astype("f4"))

@@ -22,31 +22,39 @@ from .simplified import Detail
 
 ENDING = ".npz"
 FORMAT = "mobius-match/surface"
-VERSION = 6
+VERSION = 9
 """To be raised whenever other numbers come out of the preparation, or go into the file."""
 
 
 def save_surface(surface: Any, path: str | os.PathLike[str]) -> None:
     """Write a surface to a file (numpy's .npz); an existing one is replaced at once or not at all."""
+    write_atomically(Path(path), _content(surface))
+
+
+def _content(surface: Any) -> bytes:
     values, arrays = _split(surface, "")
-    del values["mesh"], values["detail"]
+    del values["mesh"], values["detail"], values["other"]
     parts: dict[str, Mesh | Detail] = {"mesh.": surface.mesh}
     if surface.detail is not None:
         parts |= {"detail.": surface.detail, "detail.mesh.": surface.detail.mesh}
+    if surface.whole_mesh.others is not None:
+        parts |= {"others.": surface.whole_mesh.others}
     for prefix, part in parts.items():
         more = _split(part, prefix)
-        values |= {name: value for name, value in more[0].items() if name != "detail.mesh"}
+        values |= {name: value for name, value in more[0].items() if not name.endswith((".mesh", ".names", ".others"))}
         arrays |= more[1]
     values |= {"format": FORMAT, "version": VERSION, "settings": asdict(surface.settings)}
     values["parameters"] = asdict(surface.parameters)
+    if surface.other is not None:
+        arrays["other"] = np.frombuffer(_content(surface.other), np.uint8)
     buffer = io.BytesIO()
     arrays |= {"values": np.array(json.dumps(values, default=str))}
     np.savez(buffer, allow_pickle=False, **arrays)
-    write_atomically(Path(path), buffer.getvalue())
+    return buffer.getvalue()
 
 
-def load_fields(path: str | os.PathLike[str]) -> dict[str, Any]:
-    """The fields of the surface in a file that :func:`save_surface` wrote.
+def load_fields(path: str | os.PathLike[str], file: io.BytesIO | None = None) -> dict[str, Any]:
+    """The fields of the surface in a file that :func:`save_surface` wrote; ``other`` as its fields, too.
 
     Raises
     ------
@@ -54,7 +62,7 @@ def load_fields(path: str | os.PathLike[str]) -> dict[str, Any]:
         If the file cannot be read or is none of this version.
     """
     try:
-        with zipfile.ZipFile(path) as archive:
+        with zipfile.ZipFile(file or path) as archive:
             # Each member as a whole, for only then its checksum is looked at.
             members = {name.removesuffix(".npy"): io.BytesIO(archive.read(name)) for name in archive.namelist()}
         found: dict[str, Any] = {
@@ -63,9 +71,12 @@ def load_fields(path: str | os.PathLike[str]) -> dict[str, Any]:
         found |= json.loads(str(found.pop("values")))
         if (found.pop("format"), found.pop("version")) != (FORMAT, VERSION):
             raise FormatError(f"{path}: not a prepared surface of version {VERSION}; prepare the mesh again")
-        whole = _mesh(found, "detail.mesh.") if "detail.mesh.vertices" in found else None
+        others = _mesh(found, "others.") if "others.vertices" in found else None
+        whole = _mesh(found, "detail.mesh.", others) if "detail.mesh.vertices" in found else None
         found["detail"] = None if whole is None else Detail(whole, **_taken(found, "detail."))
-        found["mesh"] = _mesh(found, "mesh.")
+        found["mesh"] = _mesh(found, "mesh.", others if whole is None else None)
+        other = found.pop("other", None)
+        found["other"] = None if other is None else load_fields(path, io.BytesIO(other.tobytes()))
         found["settings"], found["warnings"] = PrepareSettings(**found["settings"]), tuple(found["warnings"])
         numbers: dict[str, Any] = {k: tuple(v) if isinstance(v, list) else v for k, v in found["parameters"].items()}
         found["parameters"] = SurfaceParameters(**numbers)
@@ -81,9 +92,10 @@ def _taken(found: dict[str, Any], prefix: str) -> dict[str, Any]:
     return {name.removeprefix(prefix): found.pop(name) for name in list(found) if name.startswith(prefix)}
 
 
-def _mesh(found: dict[str, Any], prefix: str) -> Mesh:
+def _mesh(found: dict[str, Any], prefix: str, others: Mesh | None = None) -> Mesh:
     fields = _taken(found, prefix)
-    return Mesh(**fields | {"path": None if fields["path"] is None else Path(fields["path"])})
+    path = None if fields["path"] is None else Path(fields["path"])
+    return Mesh(**fields | {"path": path, "others": others})
 
 
 def _split(record: Any, prefix: str) -> tuple[dict[str, Any], dict[str, np.ndarray]]:

@@ -14,6 +14,8 @@ from .._core.display import html_table, shortened
 from ..geometry.geodesics import graph_of, nearest_centres
 from ..geometry.spectral import wave_kernel_signature
 from ..mesh import Mesh
+from ..mesh.pieces import pieces_of, unreached_vertices
+from ..mesh.topology import boundary_edges, labels_of
 from ..settings import LARGEST_SPACING, PrepareSettings
 from .parameters import SurfaceParameters
 from .simplified import Detail
@@ -46,6 +48,8 @@ class Surface:
         (N,) float64 areas of the samples' cells, in squared units of the mesh.
     positions
         (N,) complex128 positions in the plane (section 5).
+    disc
+        (P,) complex128 positions of the proxy's vertices in the unit disc; empty where the surface is closed.
     signatures
         (N, 100) float64 wave kernel signatures of the samples.
     eigenvalues, eigenfunctions
@@ -66,6 +70,13 @@ class Surface:
     loops, loop_sizes
         (l,) int64 vertices of the user's mesh along the loops around handles, one loop after the other, and (h,) int64
         how many each has; empty where there is no handle.
+    handles_kept
+        False if the mesh is cut open along all loops, as where parts of a body touch; True if handles are real, and
+        cut in the flattening alone.
+    envelope
+        Distance per sqrt(area) of the envelope that stands for the mesh from it; 0 where none does.
+    other
+        The same mesh prepared with its handles kept, or on a wider envelope, where that is possible as well; else None.
     area, diameter
         Area and (estimated) geodesic diameter, in units of the mesh.
     timings
@@ -83,6 +94,7 @@ class Surface:
     distances: np.ndarray
     cells: np.ndarray
     positions: np.ndarray
+    disc: np.ndarray
     signatures: np.ndarray
     eigenvalues: np.ndarray
     eigenfunctions: np.ndarray
@@ -94,6 +106,9 @@ class Surface:
     closure: float
     loops: np.ndarray
     loop_sizes: np.ndarray
+    handles_kept: bool
+    envelope: float
+    other: Surface | None
     area: float
     diameter: float
     timings: dict[str, float]
@@ -130,9 +145,18 @@ class Surface:
         return self.mesh if self.detail is None else self.detail.mesh
 
     @property
+    def readings(self) -> tuple[Surface, ...]:
+        """This surface, and the one with its handles kept, where both are possible."""
+        return (self,) if self.other is None else (self, self.other)
+
+    @property
     def info(self) -> dict[str, Any]:
-        """Path, SHA-256, numbers of vertices and faces, area and diameter, as they stand in results."""
-        mesh = self.mesh
+        """Path, SHA-256, numbers of vertices and faces, area and diameter, as they stand in results.
+
+        Where they are not zero, also the number of pieces beside the one that the area and the diameter are of, and of
+        vertices that no face uses once the mesh is repaired.
+        """
+        mesh, others, unreached = self.mesh, self.whole_mesh.others, len(unreached_vertices(self.whole_mesh))
         return {
             "path": None if mesh.path is None else str(mesh.path),
             "sha256": mesh.sha256,
@@ -140,6 +164,8 @@ class Surface:
             "faces": mesh.n_file_faces,
             "area": self.area,
             "diameter": self.diameter,
+            **({} if others is None else {"other_pieces": len(pieces_of(others))}),
+            **({"unreached_vertices": unreached} if unreached else {}),
         }
 
     @property
@@ -156,6 +182,30 @@ class Surface:
     def average_distances(self) -> np.ndarray:
         """Average geodesic distance of each sample to the surface per sqrt(area), (N,)."""
         return self.normalized_distances @ self.cells / self.area
+
+    @cached_property
+    def open_edges(self) -> np.ndarray:
+        """Edges (b, 2) of the boundary, without those along which handles were cut open: there nothing is missing."""
+        edges = boundary_edges(self.mesh.faces)
+        return edges[~np.isin(self.mesh.vertex_ids[edges], self.loops).all(axis=1)]
+
+    @cached_property
+    def rim(self) -> np.ndarray:
+        """Edges (e, 2) of the longest loop of the boundary, as in ``open_edges``; none where the surface is closed."""
+        edges = self.open_edges
+        number, labels = labels_of(len(self.mesh.vertices), *edges.T)
+        loop = labels[edges[:, 0]]
+        return edges[loop == np.bincount(loop, self._lengths(edges), number).argmax()]
+
+    @property
+    def rim_length(self) -> float:
+        """Length of the rim per sqrt(area); 0 where the surface is closed."""
+        return float(self._lengths(self.rim).sum() / self.scale)
+
+    def _lengths(self, edges: np.ndarray) -> np.ndarray:
+        """Lengths (e,) of edges (e, 2) in the units of the mesh."""
+        ends = self.mesh.vertices[edges]
+        return np.linalg.norm(ends[:, 0] - ends[:, 1], axis=1)
 
     @cached_property
     def descriptors(self) -> np.ndarray:
@@ -215,7 +265,13 @@ class Surface:
         FormatError
             If the file cannot be read or is none of this version.
         """
-        return cls(**load_fields(path))
+        return cls._of(load_fields(path))
+
+    @classmethod
+    def _of(cls, found: dict[str, Any]) -> Surface:
+        """The surface with the fields of a file."""
+        other = found["other"]
+        return cls(**found | {"other": None if other is None else cls._of(other)})
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -17,6 +17,7 @@ from scipy.spatial.transform import Rotation
 
 from ..errors import MeshError, SettingsError
 from ..geometry.cholesky import factorized
+from ..geometry.geodesics import bridges
 from ..geometry.rotations import nearest_rotations
 from ..mesh.measure import cross_products
 from ..mesh.topology import edges_of
@@ -100,6 +101,7 @@ def interpolate(start: np.ndarray, end: np.ndarray, faces: np.ndarray, times: np
         of mass moves along a straight line.
     """
     edges = edges_of(faces)
+    edges = np.concatenate([edges, bridges(start, edges, every=True)])  # pieces move with what they lie next to
     weights = np.bincount(faces.ravel(), np.repeat(np.linalg.norm(cross_products(start, faces), axis=1), 3), len(start))
     weights = weights / weights.sum()
     start_centre, end_centre = weights @ start, weights @ end

@@ -91,7 +91,7 @@ def _harmless(text: str) -> str:
 
 def _content(result: Correspondence, dense: SurfaceMap | None, truth: Truth | None) -> dict[str, Any]:
     """The data of the page as JSON-able values, which viewer/data.js reads."""
-    sides, radius = shapes.sides_of(result)
+    sides, radius = shapes.sides_of(result, dense)
     content = shapes.content(result, sides, radius)
     alignments: list[Correspondence | Alternative] = [result, *result.alternatives]
     if truth is not None:

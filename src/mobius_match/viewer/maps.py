@@ -170,6 +170,8 @@ def _add_morph(
         dense,
         source=replace(dense.source, vertices=source.vertices),
         target=replace(dense.target, vertices=target.vertices),
+        source_carried=_placed(dense.source_carried, dense.target.vertices, target.vertices),
+        target_carried=None,
     )
     start, end = source.vertices[source.kept], positions_on_target(placed)[source.kept]
     shapes = interpolate(start, end, source.faces, np.linspace(0, 1, FRAMES))[1:]
@@ -179,3 +181,12 @@ def _add_morph(
         positions = source.vertices[vertices_numbered(source.mesh, alignment.pairs[:, 0])]
         nearest = tree.query(positions)[1] if len(positions) else np.empty(0, int)
         packed["moved"] = packing.packed(shapes[:, nearest] + (positions - start[nearest]), "<f4")
+
+
+def _placed(positions: np.ndarray | None, vertices: np.ndarray, placed: np.ndarray) -> np.ndarray | None:
+    """Positions (q, 3) beside vertices (n, 3), moved as these were to their places on the page."""
+    if positions is None:
+        return None
+    scale = np.abs(vertices).max() or 1.0
+    before, moved = (np.column_stack([points / scale, np.ones(len(points))]) for points in (vertices, positions))
+    return np.asarray(moved @ np.linalg.lstsq(before, placed, rcond=None)[0])

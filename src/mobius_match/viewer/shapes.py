@@ -13,6 +13,8 @@ from ..exporting.figures import RADIUS
 from ..exporting.rendering import Shape
 from ..exporting.result_meshes import mesh_of, vertices_numbered
 from ..exporting.scene import ELEVATION, best_azimuth, colours_of, shape_of
+from ..mesh.handles import handle_loops
+from ..mesh.pieces import main_piece
 from ..surface.simplified import simplified
 from . import packing
 
@@ -20,6 +22,7 @@ if TYPE_CHECKING:
     from ..mesh import Mesh
     from ..results.correspondence import Correspondence
     from ..results.matches import Alternative
+    from ..results.surface_map import SurfaceMap
     from ..surface.surface import Surface
 
 MAX_VERTICES = 30_000
@@ -45,6 +48,8 @@ class Side:
         (n, 3) positions of the vertices on the page: centred at the origin, in the scale of the page.
     kept, faces
         (k,) numbers of the drawn vertices, and faces (m, 3) between them.
+    loops
+        Vertices (l,) of each loop around a handle.
     """
 
     mesh: Mesh
@@ -52,6 +57,7 @@ class Side:
     vertices: np.ndarray
     kept: np.ndarray
     faces: np.ndarray
+    loops: list[np.ndarray]
 
     def __repr__(self) -> str:
         return one_line(self)
@@ -62,18 +68,24 @@ class Side:
         return len(self.kept) == len(self.mesh.vertices)
 
 
-def sides_of(result: Correspondence) -> tuple[list[Side], float]:
+def sides_of(result: Correspondence, dense: SurfaceMap | None) -> tuple[list[Side], float]:
     """Both sides, and the radius of the sphere of a match with confidence 1."""
     surfaces, infos = (result.source, result.target), (result.source_info, result.target_info)
     meshes = [mesh_of(surface, info) for surface, info in zip(surfaces, infos, strict=True)]
+    loops = [_loops(mesh, surface) for mesh, surface in zip(meshes, surfaces, strict=True)]
+    if dense is not None and None in surfaces:  # only the map of a loaded result knows which handles were cut open
+        maps = dense.source, dense.target
+        meshes = [other if other.sha256 == mesh.sha256 else mesh for mesh, other in zip(meshes, maps, strict=True)]
     shapes = [shape_of(mesh, numbers) for mesh, numbers in zip(meshes, result.pairs.T, strict=True)]
     centred = [shape.vertices - (shape.vertices.min(axis=0) + shape.vertices.max(axis=0)) / 2 for shape in shapes]
     # Both at the same scale (equal areas look equal), unless that would make one of them tiny.
     fits = [1 / np.linalg.norm(vertices, axis=1).max() for vertices in centred]
     scales = [max(min(fits), fit / 1.5) for fit in fits]
     sides = [
-        Side(mesh, shape, vertices * scale, *_drawn(mesh, surface))
-        for mesh, shape, vertices, scale, surface in zip(meshes, shapes, centred, scales, surfaces, strict=True)
+        Side(mesh, shape, vertices * scale, *_drawn(mesh, surface), [vertices_numbered(mesh, loop) for loop in of_side])
+        for mesh, shape, vertices, scale, surface, of_side in zip(
+            meshes, shapes, centred, scales, surfaces, loops, strict=True
+        )
     ]
     return sides, 0.8 * RADIUS * min(scales) * float(np.sqrt(FEW / max(len(result), FEW)))
 
@@ -85,6 +97,14 @@ def _drawn(mesh: Mesh, surface: Surface | None) -> tuple[np.ndarray, np.ndarray]
         return surface.detail.kept, surface.mesh.faces
     simple, detail = simplified(mesh, SIMPLIFIED_VERTICES, 1.0)
     return (np.arange(len(mesh.vertices)) if detail is None else detail.kept), simple.faces
+
+
+def _loops(mesh: Mesh, surface: Surface | None) -> list[np.ndarray]:
+    """The user's numbers of the vertices along each loop around a handle."""
+    if surface is None:  # a result that was loaded
+        main = main_piece(mesh)
+        return [main.vertex_ids[loop] for loop in handle_loops(main)]
+    return np.split(surface.loops, np.cumsum(surface.loop_sizes)[:-1]) if len(surface.loops) else []
 
 
 def name_of(info: dict[str, Any]) -> str:
@@ -122,7 +142,14 @@ def _side(side: Side, name: str) -> dict[str, Any]:
         "positions": packing.quantised(side.vertices[side.kept]),
         "wide": wide,
         "triangles": packing.packed(side.faces, "<u4" if wide else "<u2"),
+        **({"loops": packing.packed(_segments(side), "<f4")} if side.loops else {}),
     }
+
+
+def _segments(side: Side) -> np.ndarray:
+    """Both ends (s, 2, 3) of all edges of loops."""
+    edges = np.concatenate([np.stack([loop, np.roll(loop, -1)], axis=1) for loop in side.loops])
+    return side.vertices[edges]
 
 
 def _alignment(matches: Correspondence | Alternative, name: str, note: str, sides: list[Side]) -> dict[str, Any]:

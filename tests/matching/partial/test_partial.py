@@ -13,12 +13,12 @@ from mobius_match.geometry.directions import directions
 from mobius_match.geometry.geodesics import geodesic_solver
 from mobius_match.geometry.normals import vertex_normals
 from mobius_match.matching.partial.agreement import BATCH, Paths, agreement, differences, match_by_distances
-from mobius_match.matching.partial.coverage import Coverage
+from mobius_match.matching.partial.decision import part_notes
 from mobius_match.matching.partial.locate import Placement
 from mobius_match.matching.partial.matches import match_probabilities, probability, support
 from mobius_match.matching.partial.pair import PartPair
 from mobius_match.matching.partial.parameters import PartialParameters
-from mobius_match.matching.partial.part import choose_coverage, locate_parts, part_notes
+from mobius_match.matching.partial.part import locate_parts
 from mobius_match.mesh.topology import components
 from mobius_match.registration.parameters import RegistrationParameters
 from mobius_match.registration.sparse import register
@@ -271,35 +271,6 @@ def test_a_close_choice_is_reported():
     (located,) = locate_parts(mm.prepare(half[:2]), mm.prepare(vase(40)), parameters, REGISTRATION, 0)
     notes = part_notes(located, "")
     assert any("almost as well (margin 0." in note and "below 0.3 is close" in note for note in notes)
-
-
-@pytest.mark.parametrize(
-    ("as_part", "as_whole", "cost", "expected"),
-    [
-        (0.05, 0.16, 1.0, Coverage.PART),
-        (0.05, 0.14, 1.0, Coverage.WHOLE),
-        (0.05, 0.08, 2.0, Coverage.PART),
-        (0.05, 0.04, 3.6, Coverage.BOTH_INCOMPLETE),
-    ],
-)
-def test_coverage_of_two_surfaces_with_large_openings(monkeypatch, as_part, as_whole, cost, expected):
-    """By error of distances times cost; as wholes by the cost of their alignment."""
-    sheet, match = mm.prepare(bent(grid(16, 13))), object()
-    located = SimpleNamespace(match=lambda: match, placement=SimpleNamespace(cost=1.0))
-    monkeypatch.setattr("mobius_match.matching.partial.part.part_error", lambda _: as_part)
-    monkeypatch.setattr("mobius_match.matching.partial.part.whole_error", lambda *_: as_whole)
-    monkeypatch.setattr("mobius_match.matching.partial.part.part_notes", lambda _, compared: [compared])
-    alignment = SimpleNamespace(registration=object())
-    coverage, found, notes = choose_coverage(sheet, sheet, [located], [alignment], cost, PARAMETERS)
-    assert coverage is expected
-    assert found is (match if expected is Coverage.PART else None)
-    assert f"cost {cost * as_whole:.3g} as wholes, 0.05 as a part" in notes[0]
-    assert any("both have large openings" in note for note in notes) == (expected is Coverage.BOTH_INCOMPLETE)
-
-
-def test_only_surfaces_with_large_openings_are_both_incomplete():
-    ball = mm.prepare(icosphere(2))
-    assert choose_coverage(ball, ball, [], [], 3.6, PARAMETERS) == (Coverage.WHOLE, None, [])
 
 
 @pytest.mark.parametrize("name", examples.names())

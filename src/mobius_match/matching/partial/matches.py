@@ -9,7 +9,6 @@ import scipy.sparse as sp
 from ...geometry.interpolation import interpolate_nearby
 from ...geometry.nearest_neighbors import nearest_neighbors
 from ...geometry.points import SurfacePoints, closest_points
-from ...mesh.topology import boundary_edges
 from ...registration.features import oriented_points
 from ...registration.strain import edge_strain
 from ...surface.surface import Surface
@@ -21,7 +20,7 @@ from .parameters import PartialParameters
 
 def distance_to_boundary(surface: Surface, points: np.ndarray) -> np.ndarray:
     """Distances (q,) in space, per the surface's scale, of points (q, 3) from its boundary, which must exist."""
-    boundary = surface.mesh.vertices[boundary_edges(surface.mesh.faces).ravel()]
+    boundary = surface.mesh.vertices[surface.open_edges.ravel()]
     return np.asarray(scipy.spatial.cKDTree(boundary).query(points)[0] / surface.scale)
 
 

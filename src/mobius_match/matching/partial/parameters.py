@@ -74,16 +74,16 @@ class PartialParameters:
     # Part or whole.
     credible_cost: float = parameter(1.95, "cost above which the part does not belong to the whole", origin=HAND)
     part_advantage: float = parameter(
-        3.0,
+        2.5,
         "a surface is taken for a part where two wholes cost so many times as much",
-        origin="by hand, from a plateau: 2.7 to 4.1 on cut and punched pairs other than those of docs/partial.md",
+        origin="by hand: shapes with small holes or without a limb have up to 2.3, halves 3.6 and more",
     )
     incomplete_factor: float = parameter(
         0.5, "confidence is multiplied by this where each surface may lack what the other has", origin=HAND
     )
     incomplete_cost: float = parameter(
         3.5,
-        "cost of an alignment of two surfaces with openings above which each lacks a part of the other",
+        "cost of a map between two surfaces with openings above which each lacks a part of the other",
         origin=HAND,
     )
 

@@ -1,12 +1,10 @@
-"""A surface that is a part of the other one, located on it; and whether it had better be taken for one.
+"""A surface that may be a part of the other one, located on it.
 
 Beyond the paper, whose surfaces are whole. A part has another conformal structure, other eigenfunctions and another
 area than the whole that it belongs to. Lengths, curvature and, away from the cut, distances and directions of shortest
 paths are the same. So both are measured in the same units, at the size at which the part fits best. Triplets of samples
 are evaluated by shortest paths instead of Möbius maps, the part is registered to the whole along the best of them, and
 the matches are read off the registration of least cost.
-
-A surface with a long rim may be a part, or a whole with a hole. Both are tried, and compared by one cost.
 """
 
 from __future__ import annotations
@@ -18,7 +16,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..._core.display import one_line
-from ...alignments.alignment import Alignment
 from ...geometry.geodesics import geodesic_solver
 from ...geometry.points import SurfacePoints
 from ...landmarks.constraints import LandmarkConstraints
@@ -26,10 +23,9 @@ from ...registration.parameters import RegistrationParameters
 from ...registration.sparse import Registration
 from ...surface.surface import Surface
 from ...voting.parameters import VotingParameters
-from .coverage import Coverage, may_be_part
+from .coverage import may_be_part
 from .locate import Placement, fit, locate, refined
 from .matches import points_on_part, points_on_whole
-from .openings import openings
 from .pair import PartPair
 from .parameters import PartialParameters
 
@@ -143,112 +139,7 @@ def locate_parts(
     return found
 
 
-def choose_coverage(
-    source: Surface,
-    target: Surface,
-    parts: list[Located],
-    alignments: list[Alignment],
-    cost: float,
-    parameters: PartialParameters,
-) -> tuple[Coverage, PartMatch | None, list[str]]:
-    """Decide between a match of wholes and a match of a part.
-
-    Parameters
-    ----------
-    source, target
-        The surfaces.
-    parts
-        The result of :func:`locate_parts`.
-    alignments
-        Of the two as wholes, the chosen one first, which is registered; or none.
-    cost
-        Cost of the best alignment before registration; infinite if there is none.
-    parameters
-        Constants of the method.
-
-    Returns
-    -------
-    coverage
-        How much of each other the surfaces cover.
-    part_match
-        If one of them is a part, where it lies.
-    notes
-        What the user should know about it, a line each.
-    """
-    open_ones = [one.mesh.name for one in (source, target) if may_be_part(one, parameters)]
-    notes = []
-    if parts:
-        costs = [part_error(one) * one.placement.cost for one in parts]
-        best = int(np.argmin(costs))
-        registration = alignments[0].registration if alignments else None
-        as_whole = np.inf if registration is None else whole_error(source, target, registration, parameters) * cost
-        compared = f"cost {as_whole:.3g} as wholes, {costs[best]:.3g} as a part"
-        if as_whole > parameters.part_advantage * costs[best]:
-            return Coverage.PART, parts[best].match(), part_notes(parts[best], compared)
-        notes.append(f"{' and '.join(open_ones)}: matched as a whole in spite of the openings ({compared})")
-    if len(open_ones) == 2 and parameters.incomplete_cost < cost < np.inf:
-        notes.append(
-            f"{source.mesh.name} and {target.mesh.name} both have large openings and differ as wholes: where each "
-            f"lacks a part of the other, matches are wrong; all confidences were reduced"
-        )
-        return Coverage.BOTH_INCOMPLETE, None, notes
-    return Coverage.WHOLE, None, notes
-
-
-def part_notes(located: Located, compared: str) -> list[str]:
-    """What the user should know about a match of a part."""
-    name, other = located.pair.part.mesh.name, located.pair.whole.mesh.name
-    placement, constants = located.placement, located.pair.parameters
-    notes = [
-        f"{name} has large openings and was treated as a partial scan of {other} (scale {located.size:.3g}), with "
-        f"{located.share:.0%} of its area ({compared})"
-    ]
-    if placement.cost > constants.credible_cost:
-        notes[0] += "; it fits nowhere well, so few matches are likely enough"
-    if placement.margin <= constants.close_margin:
-        notes.append(
-            f"ambiguous: {name} fits another region of {other} almost as well (margin {placement.margin:.2f}; below "
-            f"{constants.close_margin} is close). Check the matches with 'mobius view'"
-        )
-    if may_be_part(located.pair.whole, constants):
-        notes.append(f"{other} has large openings, too: a region that only one of the two has may be matched wrongly")
-    return notes
-
-
-def part_error(located: Located) -> float:
-    """:func:`distance_error` of taking one surface for a part of the other one."""
-    pair, image = located.pair, located.placement.registration.image
-    return distance_error(pair.part.normalized_distances, pair.whole, image[pair.samples1], pair.parameters)
-
-
-def whole_error(source: Surface, target: Surface, registration: Registration, parameters: PartialParameters) -> float:
-    """:func:`distance_error` of taking two surfaces for wholes: of the same area, once their openings are closed."""
-    areas = [1 + openings(one).missing for one in (source, target)]
-    image = registration.image[np.searchsorted(source.proxy, source.samples)]
-    distances = source.normalized_distances * np.sqrt(areas[1] / areas[0])
-    return distance_error(distances, target, image, parameters)
-
-
-def distance_error(here: np.ndarray, target: Surface, image: np.ndarray, parameters: PartialParameters) -> float:
-    """Mean absolute logarithm of the ratio of distances between samples and between their images.
-
-    Parameters
-    ----------
-    here
-        (N1, N1) distances between the samples, per sqrt(area) of the target at the size that is assumed.
-    target
-        The other surface.
-    image
-        (N1,) vertices of the target.
-    parameters
-        Constants of the method.
-    """
-    softening = parameters.landmark_distance
-    ratios = np.log((here + softening) / (_distances_between(target, image) + softening))
-    return float(np.abs(ratios[np.triu_indices(len(image), 1)]).mean())
-
-
-def _distances_between(surface: Surface, vertices: np.ndarray) -> np.ndarray:
+def distances_between(surface: Surface, vertices: np.ndarray) -> np.ndarray:
     """Geodesic distances (k, k) per sqrt(area) between vertices of a surface."""
     solve = geodesic_solver(surface.mesh.vertices / surface.scale, surface.mesh.faces, surface.settings.geodesics)
     distances = np.stack([solve(int(vertex))[vertices] for vertex in vertices])
@@ -262,7 +153,7 @@ def at_better_size(located: Located) -> Located:
     may make a detour around what is missing. If the cost is not lower, nothing changes.
     """
     pair, registration = located.pair, located.placement.registration
-    here, there = pair.part.normalized_distances, _distances_between(pair.whole, registration.image[pair.samples1])
+    here, there = pair.part.normalized_distances, distances_between(pair.whole, registration.image[pair.samples1])
     near = (here > 0) & (here < pair.voting.least_spread)
     if not near.any():
         return located

@@ -15,7 +15,7 @@ from urllib.parse import unquote
 import numpy as np
 
 from ...errors import FormatError
-from .raw import RawMesh, from_triangles, promised
+from .raw import RawMesh, promised
 from .scenes import concatenated, placed_parts
 
 FLOAT, TRIANGLES, STRIP, FAN = 5126, 4, 5, 6
@@ -33,12 +33,32 @@ def read_gltf(data: bytes, path: Path) -> RawMesh:
         content = _buffer(buffer, chunk, path)
         if content is not None:
             buffer["uri"], files[f"buffer{k}"] = f"buffer{k}", content
+    names = _node_names(tree)
     tree, skipped = _geometry_alone(tree)
     import trimesh
 
     scene = trimesh.load_scene(io.BytesIO(json.dumps(tree).encode()), file_type="gltf", resolver=files, process=False)
     notes = [f"{skipped} primitive(s) of points or lines left out."] if skipped else []
-    return from_triangles(*concatenated(list(placed_parts(scene)), notes), None, notes)
+    # Nodes without names are called by their numbers, with an ending where a mesh has several primitives.
+    parts = [(vertices, faces, names[int(node.split("_")[0])]) for vertices, faces, (node, _) in placed_parts(scene)]
+    return concatenated(parts, notes)
+
+
+def _node_names(tree: dict[str, Any]) -> list[tuple[str, ...]]:
+    """The names of each node: its own, that of its mesh, and those of the nodes above it."""
+    meshes = tree.get("meshes", [])
+    nodes = tree.get("nodes", [{"mesh": k} for k in range(len(meshes))])
+    parent = {child: k for k, node in enumerate(nodes) for child in node.get("children", [])}
+    found = []
+    for k, node in enumerate(nodes):
+        names = [str(node.get("name", "")), str(meshes[node["mesh"]].get("name", "")) if "mesh" in node else ""]
+        seen = {k}
+        while k in parent and parent[k] not in seen:  # a damaged file may go round in circles
+            k = parent[k]
+            seen.add(k)
+            names.append(str(nodes[k].get("name", "")))
+        found.append(tuple(names))
+    return found
 
 
 def _json(data: bytes) -> dict[str, Any]:

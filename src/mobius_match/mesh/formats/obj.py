@@ -1,4 +1,4 @@
-"""OBJ, read here: only ``v`` and ``f`` lines are used, so texture seams and groups split no vertices.
+"""OBJ, read here: only ``v`` and ``f`` lines are used, so texture seams and groups split no vertices; names are kept.
 
 trimesh splits vertices at texture seams and drops unused ones; meshio refuses files with more texture points than
 vertices, and reads negative vertex numbers wrongly.
@@ -13,7 +13,7 @@ import numpy as np
 
 from ...errors import FormatError
 from ..mesh import Floats, Ints
-from .raw import RawMesh, from_polygons
+from .raw import RawMesh, from_polygons, named
 
 Line = tuple[int, str]  # number of the line, from 1, and its text
 
@@ -41,7 +41,21 @@ def read_obj(data: bytes) -> RawMesh:
         raise _first_bad(faces, r"f(\s+-?0*[1-9]\S*)*\s*", "a face names vertex 0, but OBJ counts from 1")
     before = np.searchsorted([number for number, _ in points], [number for number, _ in faces])
     corners = np.where(corners < 0, np.repeat(before, sizes) + corners, corners - 1)
-    return from_polygons(vertices, sizes, corners)
+    raw = from_polygons(vertices, sizes, corners)
+    raw.names = _names(lines, [number for number, _ in faces])
+    return raw
+
+
+def _names(lines: list[Line], faces: list[int]) -> dict[str, Ints]:
+    """The faces of each object, group and material, from the lines and the numbers of the lines of faces."""
+    runs = []
+    for kind in ("o", "g", "usemtl"):
+        begun = [(number, line.split()[1:]) for number, line in lines if line.split(maxsplit=1)[:1] == [kind]]
+        starts = [*np.searchsorted(faces, [number for number, _ in begun]).tolist(), len(faces)]
+        for (_, words), start, end in zip(begun, starts, starts[1:], strict=False):
+            # A face is in all of several groups; the name of an object or a material may have spaces.
+            runs += [(name, start, end) for name in (words if kind == "g" else [" ".join(words)])]
+    return named(runs)
 
 
 def _first_bad(lines: list[Line], good: str, what: str) -> FormatError:

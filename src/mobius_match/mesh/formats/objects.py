@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from ...errors import MeshError
 from .cells import from_cells
-from .raw import RawMesh, from_polygons, from_triangles
+from .raw import RawMesh, from_polygons
 from .scenes import concatenated, placed_parts
 
 REMEDY = "Correct the faces or add the missing vertices."
@@ -73,7 +73,7 @@ def _coordinates(points: Any) -> NDArray[np.float64]:
 def _scene(scene: Any) -> RawMesh:
     left_out = sum(not hasattr(scene.geometry[scene.graph[node][1]], "faces") for node in scene.graph.nodes_geometry)
     notes = [f"{left_out} part(s) of points or lines left out."] if left_out else []
-    return from_triangles(*concatenated(list(placed_parts(scene)), notes), None, notes)
+    return concatenated(list(placed_parts(scene)), notes)
 
 
 def _pyvista(mesh: Any) -> RawMesh:

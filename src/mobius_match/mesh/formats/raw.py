@@ -26,6 +26,16 @@ class RawMesh:
     face_ids: Ints
     n_faces: int
     notes: list[str] = field(default_factory=list)
+    names: dict[str, Ints] = field(default_factory=dict)  # numbers of the faces of each group, object, material or part
+
+
+def named(runs: list[tuple[str, int, int]]) -> dict[str, Ints]:
+    """The faces of each name, from runs of faces: their name, the first, and the one after the last."""
+    found: dict[str, list[Ints]] = {}
+    for name, start, end in runs:
+        if name and end > start:
+            found.setdefault(name, []).append(np.arange(start, end))
+    return {name: np.unique(np.concatenate(faces)) for name, faces in found.items()}
 
 
 def from_triangles(

@@ -1,0 +1,1 @@
+"""Several pieces of one file: those that both shapes have are matched, the others ride along."""

@@ -1,0 +1,76 @@
+"""Open surfaces: wholes, parts, or neither. A cut through a larger shape is no edge of a disc."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+import mobius_match as mm
+from mobius_match.matching.parameters import Parameters
+from mobius_match.matching.partial import decision
+from mobius_match.matching.partial.coverage import Coverage
+from tests.shapes import bent, cap, disc, grid, icosphere, rotation
+
+PARAMETERS = Parameters()
+
+
+@pytest.mark.parametrize(
+    ("as_part", "as_whole", "cost", "expected"),
+    [
+        (0.05, 0.16, 1.0, Coverage.PART),
+        (0.05, 0.12, 1.0, Coverage.WHOLE),
+        (0.05, 0.08, 2.0, Coverage.PART),
+        (0.05, 0.03, 3.6, Coverage.BOTH_INCOMPLETE),
+    ],
+)
+def test_coverage_of_two_surfaces_with_large_openings(monkeypatch, as_part, as_whole, cost, expected):
+    """By the error of distances times the cost of the placement, or of the map that wholes are registered along."""
+    sheet, match = mm.prepare(bent(grid(16, 13))), object()
+    located = SimpleNamespace(match=lambda: match, placement=SimpleNamespace(cost=1.0))
+    monkeypatch.setattr(decision, "part_error", lambda _: as_part)
+    monkeypatch.setattr(decision, "whole_error", lambda *_: as_whole)
+    monkeypatch.setattr(decision, "part_notes", lambda _, compared: [compared])
+    monkeypatch.setattr(decision, "registered_map_cost", lambda *_: cost)
+    alignment = SimpleNamespace(registered=lambda *_: object())
+    constants = PARAMETERS.partial, PARAMETERS.alignment
+    coverage, found, notes = decision.choose_coverage(sheet, sheet, [located], [alignment], *constants)
+    assert coverage is expected
+    assert found is (match if expected is Coverage.PART else None)
+    assert f"cost {cost * as_whole:.3g} as wholes, 0.05 as a part" in notes[0]
+    assert any("both have large openings" in note for note in notes) == (expected is Coverage.BOTH_INCOMPLETE)
+    ball = mm.prepare(icosphere(2))
+    assert decision.choose_coverage(sheet, ball, [], [alignment], *constants) == (Coverage.WHOLE, None, [])
+
+
+@pytest.fixture(scope="module")
+def source():
+    return mm.prepare(cap(0))
+
+
+def displacements(pairs, kept=None):
+    """Distances in the flat disc between matched vertices of the meshes of seeds 0 and 1."""
+    one, two = disc(1500, seed=0)[0], disc(1500, seed=1)[0]
+    return np.linalg.norm((one if kept is None else one[kept])[pairs[:, 0]] - two[pairs[:, 1]], axis=1)
+
+
+@pytest.mark.parametrize(("size", "bend"), [(0.9, 0.5), (300.0, 0.0)])
+def test_two_discs_of_other_sizes_are_not_parts_of_each_other(source, size, bend):
+    vertices, faces = cap(1, bend=bend)
+    result = mm.match(source, (size * vertices @ rotation(2), faces))
+    assert not any("partial" in warning for warning in result.warnings)
+    assert len(result.pairs) > 500
+    assert displacements(result.pairs).mean() < 0.05
+    dense = result.dense().vertex_map
+    every = np.stack([np.flatnonzero(dense >= 0), dense[dense >= 0]], axis=1)
+    assert len(every) > 0.98 * len(source.mesh.vertices)
+    assert displacements(every).mean() < 0.05
+
+
+def test_a_cut_through_a_disc_is_no_edge_of_it():
+    vertices, faces = cap(0)
+    faces = faces[(vertices[faces, 0] > -0.3).all(axis=1)]
+    kept = np.unique(faces)
+    result = mm.match((vertices[kept], np.searchsorted(kept, faces)), cap(1))
+    assert any("treated as a partial scan" in warning for warning in result.warnings)
+    assert len(result.pairs) > 50
+    assert displacements(result.pairs, kept).max() < 0.2
