@@ -9,26 +9,29 @@ import mobius_match as mm
 from mobius_match.matching.parameters import Parameters
 from mobius_match.matching.partial import decision
 from mobius_match.matching.partial.coverage import Coverage
+from mobius_match.registration.sparse import register
 from tests.shapes import bent, cap, disc, grid, icosphere, rotation
 
 PARAMETERS = Parameters()
 
 
 @pytest.mark.parametrize(
-    ("as_part", "as_whole", "cost", "expected"),
+    ("as_part", "as_whole", "cost", "fit", "expected"),
     [
-        (0.05, 0.16, 1.0, Coverage.PART),
-        (0.05, 0.12, 1.0, Coverage.WHOLE),
-        (0.05, 0.08, 2.0, Coverage.PART),
-        (0.05, 0.03, 3.6, Coverage.BOTH_INCOMPLETE),
+        (0.05, 0.16, 1.0, False, Coverage.PART),
+        (0.05, 0.16, 1.0, True, Coverage.WHOLE),
+        (0.05, 0.12, 1.0, False, Coverage.WHOLE),
+        (0.05, 0.08, 2.0, False, Coverage.PART),
+        (0.05, 0.03, 3.6, False, Coverage.BOTH_INCOMPLETE),
     ],
 )
-def test_coverage_of_two_surfaces_with_large_openings(monkeypatch, as_part, as_whole, cost, expected):
+def test_coverage_of_two_surfaces_with_large_openings(monkeypatch, as_part, as_whole, cost, fit, expected):
     """By the error of distances times the cost of the placement, or of the map that wholes are registered along."""
     sheet, match = mm.prepare(bent(grid(16, 13))), object()
     located = SimpleNamespace(match=lambda: match, placement=SimpleNamespace(cost=1.0))
     monkeypatch.setattr(decision, "part_error", lambda _: as_part)
     monkeypatch.setattr(decision, "whole_error", lambda *_: as_whole)
+    monkeypatch.setattr(decision, "fit_as_wholes", lambda *_: fit)
     monkeypatch.setattr(decision, "part_notes", lambda _, compared: [compared])
     monkeypatch.setattr(decision, "registered_map_cost", lambda *_: cost)
     alignment = SimpleNamespace(registered=lambda *_: object())
@@ -40,6 +43,19 @@ def test_coverage_of_two_surfaces_with_large_openings(monkeypatch, as_part, as_w
     assert any("both have large openings" in note for note in notes) == (expected is Coverage.BOTH_INCOMPLETE)
     ball = mm.prepare(icosphere(2))
     assert decision.choose_coverage(sheet, ball, [], [alignment], *constants) == (Coverage.WHOLE, None, [])
+
+
+def test_the_gap_between_rims():
+    arrays = cap(0)
+    surface, inside = mm.prepare(arrays), arrays[1][(np.abs(arrays[0][arrays[1], :2]) < 0.6).all(axis=(1, 2))]
+    used = np.unique(inside)
+    smaller = mm.prepare((arrays[0][used], np.searchsorted(used, inside)))
+    constants = PARAMETERS.alignment.registration
+    same = register(surface, surface, surface.proxy, constants)
+    assert decision.rim_gap(surface, surface, same) < 0.02
+    within = register(smaller, surface, used[smaller.proxy], constants, whole=False)
+    assert decision.rim_gap(smaller, surface, within) > 0.1
+    assert decision.rim_gap(surface, mm.prepare(icosphere(2)), same) == np.inf
 
 
 @pytest.fixture(scope="module")

@@ -7,6 +7,7 @@ cost.
 from __future__ import annotations
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from ...alignments.alignment import Alignment
 from ...alignments.cost import registered_map_cost
@@ -15,6 +16,7 @@ from ...registration.sparse import Registration
 from ...surface.surface import Surface
 from .coverage import Coverage, may_be_part
 from .openings import openings
+from .pair import PartPair
 from .parameters import PartialParameters
 from .part import Located, PartMatch, distances_between
 
@@ -61,7 +63,8 @@ def choose_coverage(
         if registration is not None:
             as_whole = whole_error(source, target, registration, parameters) * map_cost
         compared = f"cost {as_whole:.3g} as wholes, {costs[best]:.3g} as a part"
-        if as_whole > parameters.part_advantage * costs[best]:
+        as_part = as_whole > parameters.part_advantage * costs[best]
+        if as_part and not (registration and fit_as_wholes(source, target, registration, parts[best])):
             return Coverage.PART, parts[best].match(), part_notes(parts[best], compared)
         notes.append(f"{' and '.join(open_ones)}: matched as a whole in spite of the openings ({compared})")
     if registration is None or len(open_ones) < 2:
@@ -73,6 +76,33 @@ def choose_coverage(
         )
         return Coverage.BOTH_INCOMPLETE, None, notes
     return Coverage.WHOLE, None, notes
+
+
+def fit_as_wholes(source: Surface, target: Surface, wholes: Registration, part: Located) -> bool:
+    """Whether two open surfaces, registered as wholes, fit rim on rim, and hardly worse than one of them as a part.
+
+    Two discs of similar shape are not parts of each other because their proportions differ. So the source is measured
+    by the cost of a placement as well, at the size at which both have the same area.
+    """
+    constants = part.pair.parameters
+    if rim_gap(source, target, wholes) > constants.rim_gap:
+        return False
+    pair = PartPair(source, target, constants, part.pair.registration).scaled(float(target.scale / source.scale))
+    return pair.cost(wholes) <= part.placement.cost + constants.close_margin
+
+
+def rim_gap(source: Surface, target: Surface, registration: Registration) -> float:
+    """How far apart the rims of two surfaces lie where one is registered to the other, per sqrt(area).
+
+    The mean distance in space of the source's rim from the target's, or that of the target's from the source's,
+    whichever is larger: a rim may coincide with a piece of a longer one. Infinite if one of the surfaces is closed.
+    """
+    if not (len(source.rim) and len(target.rim)):
+        return np.inf
+    here = registration.positions[np.unique(source.nearest_proxy[source.rim])]
+    there = target.mesh.vertices[np.unique(target.rim)]
+    gaps = (cKDTree(one).query(other)[0].mean() for one, other in ((here, there), (there, here)))
+    return float(max(gaps) / target.scale)
 
 
 def part_notes(located: Located, compared: str) -> list[str]:

@@ -78,6 +78,12 @@ class PartialParameters:
         "a surface is taken for a part where two wholes cost so many times as much",
         origin="by hand: shapes with small holes or without a limb have up to 2.3, halves 3.6 and more",
     )
+    rim_gap: float = parameter(
+        0.1,
+        "mean distance between the rims of two surfaces up to which they coincide",
+        unit=AREA,
+        origin="the distance between 100 samples",
+    )
     incomplete_factor: float = parameter(
         0.5, "confidence is multiplied by this where each surface may lack what the other has", origin=HAND
     )
