@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
+import scipy
 import scipy.sparse as sp
-from scipy.spatial import cKDTree
 
 from .._core.compiling import jit
 from ..mesh.topology import edges_of, labels_of
@@ -115,7 +115,7 @@ def bridges(vertices: np.ndarray, edges: np.ndarray, *, every: bool = False) -> 
     main = int(sizes.argmax())
     on_main = np.flatnonzero(label == main)
     others = np.flatnonzero((label != main) & (sizes[label] > 1))
-    gap, near = cKDTree(vertices[on_main]).query(vertices[others])
+    gap, near = scipy.spatial.cKDTree(vertices[on_main]).query(vertices[others])
     order = np.lexsort([gap, label[others]])
     first = order if every else order[np.unique(label[others][order], return_index=True)[1]]
     return np.stack([others[first], on_main[near[first]]], axis=1)

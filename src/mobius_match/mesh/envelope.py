@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-import igl
 import numpy as np
 from scipy.ndimage import distance_transform_edt, label
 
@@ -66,6 +65,8 @@ def envelopes(mesh: Mesh, parameters: EnvelopeParameters = EnvelopeParameters())
 
 
 def _envelope(mesh: Mesh, offset: float, step: float) -> Envelope:
+    import igl  # only meshes with very many handles need it
+
     unit = unit_box(mesh.vertices)
     scale = float(np.sqrt(areas(mesh.vertices, mesh.faces).sum()))
     made_at, vertices, faces = _offset_surface(unit, mesh.faces, offset * scale, step * scale)
@@ -106,6 +107,8 @@ def _offset_surface(vertices: Floats, faces: Ints, offset: float, step: float) -
 
     The distance, at least two steps, is raised where the grid would be too large, and returned with the surface.
     """
+    import igl  # only meshes with very many handles need it
+
     low, size = vertices.min(axis=0), np.ptp(vertices, axis=0)
     while np.prod((size + 2 * offset) / step + 6) > MOST_CELLS:
         step *= 1.1

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.spatial import cKDTree
+import scipy
 
 from .._core.display import one_line
 from ..errors import MeshError
@@ -50,7 +50,7 @@ class Detail:
         # The box keeps squares far from overflow, whatever the units of the file.
         both = unit_box(np.concatenate([self.mesh.vertices, positions]))
         n = len(self.mesh.vertices)
-        near = self.kept[points.nearest] if heights is None else cKDTree(both[:n]).query(both[n:])[1]
+        near = self.kept[points.nearest] if heights is None else scipy.spatial.cKDTree(both[:n]).query(both[n:])[1]
         return closest_points(both[:n], self.mesh.faces, both[n:], near)
 
     def heights(self, simple: Mesh) -> np.ndarray:
@@ -108,6 +108,6 @@ def beside_envelope(simple: Mesh, mesh: Mesh) -> Detail:
     """How the user's mesh lies on an envelope, or on what simplification and cuts have made of it."""
     unit = unit_box(np.concatenate([mesh.vertices, simple.vertices]))
     theirs, ours = unit[: len(mesh.vertices)], unit[len(mesh.vertices) :]
-    places = closest_points(ours, simple.faces, theirs, cKDTree(ours).query(theirs)[1])
-    kept = cKDTree(theirs).query(ours)[1]
+    places = closest_points(ours, simple.faces, theirs, scipy.spatial.cKDTree(ours).query(theirs)[1])
+    kept = scipy.spatial.cKDTree(theirs).query(ours)[1]
     return Detail(mesh, kept.astype(np.int32), places.faces.astype(np.int32), places.barycentric.astype("f4"))

@@ -7,7 +7,7 @@ cost.
 from __future__ import annotations
 
 import numpy as np
-from scipy.spatial import cKDTree
+import scipy
 
 from ...alignments.alignment import Alignment
 from ...alignments.cost import registered_map_cost
@@ -101,7 +101,7 @@ def rim_gap(source: Surface, target: Surface, registration: Registration) -> flo
         return np.inf
     here = registration.positions[np.unique(source.nearest_proxy[source.rim])]
     there = target.mesh.vertices[np.unique(target.rim)]
-    gaps = (cKDTree(one).query(other)[0].mean() for one, other in ((here, there), (there, here)))
+    gaps = (scipy.spatial.cKDTree(one).query(other)[0].mean() for one, other in ((here, there), (there, here)))
     return float(max(gaps) / target.scale)
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.spatial import cKDTree
+import scipy
 
 from ...geometry.moving_least_squares import similarity
 from ...geometry.normals import vertex_normals
@@ -49,7 +49,7 @@ def laid_on(source: Mesh, target: Mesh, start: np.ndarray, normal: float) -> Sur
             best, least = positions, error
     own_normals = vertex_normals(best, source.faces)
     first, second = np.hstack([best, normal * own_normals]), np.hstack([there, normal * normals])
-    near, back = cKDTree(second).query(first)[1], cKDTree(first).query(second)[1]
+    near, back = scipy.spatial.cKDTree(second).query(first)[1], scipy.spatial.cKDTree(first).query(second)[1]
     points = closest_points(there, target.faces, best, near)
     back_points = closest_points(best, source.faces, there, back)
     return SurfaceMap(source, target, points, back_points, np.ones(len(best), bool), np.ones(len(there), bool))
@@ -88,10 +88,10 @@ def _closest_copy(
 ) -> tuple[np.ndarray, float]:
     """Positions (n, 3) of a similar copy of points on others (n2, 3), and the mean distance that is left both ways."""
     positions = similarity(rest, start)
-    tree, before = cKDTree(np.hstack([there, normal * normals])), None
+    tree, before = scipy.spatial.cKDTree(np.hstack([there, normal * normals])), None
     for _ in range(ROUNDS):
         here = np.hstack([positions, normal * vertex_normals(positions, faces)])
-        near, back = tree.query(here)[1], cKDTree(here).query(tree.data)[1]
+        near, back = tree.query(here)[1], scipy.spatial.cKDTree(here).query(tree.data)[1]
         pairs = np.concatenate([near, back])
         if before is not None and np.array_equal(pairs, before):
             break
@@ -99,5 +99,8 @@ def _closest_copy(
         # Both ways, or a copy would shrink to where all of it lies close.
         ends = np.concatenate([there[near], there])
         positions = similarity(np.concatenate([rest, rest[back]]), ends, apply_to=rest)
-    forward, backward = cKDTree(there).query(positions)[0], cKDTree(positions).query(there)[0]
+    forward, backward = (
+        scipy.spatial.cKDTree(there).query(positions)[0],
+        scipy.spatial.cKDTree(positions).query(there)[0],
+    )
     return positions, float(forward.mean() + backward.mean()) / 2

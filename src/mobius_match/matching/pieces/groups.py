@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.optimize import linear_sum_assignment
-from scipy.spatial import cKDTree
+import scipy
 
 from ...mesh.pieces import part_of_mesh
 from ...mesh.topology import edges_of, labels_of
@@ -42,7 +41,7 @@ class Comparison:
             [float(np.sqrt(side.pieces.areas[group].sum())) / one for group in groups]
             for (side, groups), one in zip(sides, scale, strict=True)
         ]
-        self.trees = [cKDTree(points) for points in self.points[1]]
+        self.trees = [scipy.spatial.cKDTree(points) for points in self.points[1]]
 
     def assigned(self, carried: np.ndarray, most: float) -> list[tuple[int, int]]:
         """Pairs of groups of least total cost, without those that cost more than ``most``; the surest first.
@@ -51,7 +50,7 @@ class Comparison:
         """
         shape = len(self.points[0]), len(self.points[1])
         costs = np.array([[self.cost(i, j, carried, most) for j in range(shape[1])] for i in range(shape[0])])
-        rows, columns = linear_sum_assignment(costs.reshape(shape))
+        rows, columns = scipy.optimize.linear_sum_assignment(costs.reshape(shape))
         others = costs.copy()
         others[rows, columns] = np.inf
         nearest = np.minimum(others.min(axis=1)[rows], others.min(axis=0)[columns])
@@ -75,7 +74,7 @@ class Comparison:
         if not shape <= most or np.isnan(positions).any():
             return 2 * most
         points = self.points[1][j]
-        distance = self.trees[j].query(positions)[0].mean() + cKDTree(positions).query(points)[0].mean()
+        distance = self.trees[j].query(positions)[0].mean() + scipy.spatial.cKDTree(positions).query(points)[0].mean()
         return float(min(shape + distance / 2 / size_of(points) / TURNED, 2 * most))
 
 
@@ -90,7 +89,7 @@ def touching(side: Side) -> np.ndarray:
     edges = edges_of(mesh.faces)
     length = float(np.median(np.linalg.norm(mesh.vertices[edges[:, 0]] - mesh.vertices[edges[:, 1]], axis=1)))
     others = np.flatnonzero((piece != side.main) & (piece >= 0))
-    near = cKDTree(mesh.vertices[others]).query_pairs(length, output_type="ndarray")
+    near = scipy.spatial.cKDTree(mesh.vertices[others]).query_pairs(length, output_type="ndarray")
     pairs = np.unique(np.sort(piece[others][near], axis=1), axis=0)
     return pairs[pairs[:, 0] != pairs[:, 1]]
 
