@@ -90,7 +90,7 @@ def test_all_matches_small_pieces_by_the_whole_method():
 
 
 def test_a_row_of_pieces_that_look_alike_keeps_its_order():
-    """Six flat pieces that touch, as a fan; in the other shape it is turned by 1.5 times the angle of two."""
+    """Six flat pieces that touch, as a fan; in the other shape it is turned by two and a half blades."""
     body, ball = lump(4), icosphere(2)
     blade = ball[0] * [0.6, 0.12, 0.05] + [0.55, 0, 0]
 

@@ -41,10 +41,11 @@ class Comparison:
             [float(np.sqrt(side.pieces.areas[group].sum())) / one for group in groups]
             for (side, groups), one in zip(sides, scale, strict=True)
         ]
+        self.spreads = [[_spread(points) for points in of_side] for of_side in self.points]
         self.trees = [scipy.spatial.cKDTree(points) for points in self.points[1]]
 
     def assigned(self, carried: np.ndarray, most: float) -> list[tuple[int, int]]:
-        """Pairs of groups of least total cost, without those that cost more than ``most``; the surest first.
+        """Pairs of groups of least total cost, without those whose place or shape is off by more; the surest first.
 
         A pair is the surer the more its cost is below all others of its row and of its column.
         """
@@ -56,31 +57,39 @@ class Comparison:
         nearest = np.minimum(others.min(axis=1)[rows], others.min(axis=0)[columns])
         margins = np.minimum(nearest, costs.max()) - costs[rows, columns]
         order = np.argsort(-margins, kind="stable")
-        return [(int(rows[k]), int(columns[k])) for k in order if costs[rows[k], columns[k]] <= most]
+        return [(int(rows[k]), int(columns[k])) for k in order if costs[rows[k], columns[k]] <= 2 * most]
 
     def cost(self, i: int, j: int, carried: np.ndarray, most: float) -> float:
         """The cost of group i of the source as group j of the target: 0 for one that is alike and in its place.
 
         The mean distance between the carried piece and the other one, over the largest that a turn can make; and the
-        logarithms of the ratios of sqrt(area) and of the extents along the principal axes. At most twice ``most``, and
-        inexact there.
+        logarithms of the ratios of sqrt(area), of the extents along the principal axes, and of the distances from the
+        centre (Osada et al. 2002). Place and shape may be ``most`` each; else the cost is three times that.
         """
         extents = [extent[k] for extent, k in zip(self.extents, (i, j), strict=True)]
         # A sheet has no thickness.
         least = 0.1 * max(extent[0] for extent in extents)
         shape = abs(np.log(self.lengths[1][j] / self.lengths[0][i]))
         shape += float(np.abs(np.log((extents[1] + least) / (extents[0] + least))).mean())
+        shape += float(np.abs(np.log(self.spreads[1][j] / self.spreads[0][i])).mean())
         positions = carried[self.rows[i]]
         if not shape <= most or np.isnan(positions).any():
-            return 2 * most
+            return 3 * most
         points = self.points[1][j]
         distance = self.trees[j].query(positions)[0].mean() + scipy.spatial.cKDTree(positions).query(points)[0].mean()
-        return float(min(shape + distance / 2 / size_of(points) / TURNED, 2 * most))
+        place = float(distance / 2 / size_of(points) / TURNED)
+        return shape + place if place <= most else 3 * most
 
 
 def _extents(points: np.ndarray) -> np.ndarray:
     """Root mean square extents (3,) along the principal axes, the largest first."""
     return np.linalg.svd(points - points.mean(axis=0), compute_uv=False)[:3] / np.sqrt(len(points))
+
+
+def _spread(points: np.ndarray) -> np.ndarray:
+    """Quantiles (5,) of the distances from the centre over their root mean square, and a tenth."""
+    distances = np.linalg.norm(points - points.mean(axis=0), axis=1)
+    return np.asarray(np.quantile(distances, (0.1, 0.3, 0.5, 0.7, 0.9)) / size_of(points) + 0.1)
 
 
 def touching(side: Side) -> np.ndarray:

@@ -19,7 +19,7 @@ class PiecesParameters:
     )
     alike: float = parameter(
         1.0,
-        "largest cost of two pieces that belong together: turned to the other side, or e times as large",
+        "largest cost of place, and of shape, of pieces that belong together: a turn to the other side, or a factor e",
         origin="one unit of each term of the cost",
     )
     solid: float = parameter(
