@@ -57,3 +57,17 @@ def test_a_single_matrix():
     found = factorized(matrix).solve(right)
     np.testing.assert_allclose(matrix @ found, right, atol=1e-10)
     np.testing.assert_allclose(found, mesh.pattern.factors(mesh.laplacian.data, mesh.masses).solve(right), rtol=1e-9)
+
+
+def test_a_pattern_of_a_singular_matrix_solves_others():
+    """A vertex without area, and without cotangents, has a row of zeros."""
+    mesh = intrinsic_mesh(*lump(2))
+    singular, masses = mesh.laplacian.copy(), mesh.masses.copy()
+    singular.data[singular.indptr[5] : singular.indptr[6]] = 0.0
+    singular.data[singular.indices == 5] = 0.0
+    masses[5] = 0.0
+    pattern = Pattern(singular, masses)
+    right = np.random.default_rng(0).normal(size=mesh.n_vertices)
+    found = pattern.factors(mesh.laplacian.data, mesh.masses).solve(right)
+    expected = np.linalg.solve(mesh.laplacian.toarray() + np.diag(mesh.masses), right)
+    np.testing.assert_allclose(found, expected, rtol=1e-9, atol=1e-9 * np.abs(expected).max())

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 import mobius_match as mm
 from mobius_match.matching.partial.openings import openings
 from mobius_match.mesh.handles import number_of_handles
-from tests.shapes import bumpy_torus, lump, mug, renumbered, snake, torus, with_handle
+from tests.shapes import bumpy_torus, icosphere, lump, mug, renumbered, snake, torus, with_handle
 
 
 def errors(result, target, true_places):
@@ -56,6 +56,19 @@ def test_mug_to_mug_of_another_proportion():
     assert result.source.handles_kept and result.target.handles_kept
     found = errors(result, target, places)
     assert found.mean() < 0.04 and found.max() < 0.2
+
+
+def test_a_loose_piece_beside_a_surface_cut_open_disturbs_nothing():
+    (vertices, faces), places1 = snake(2 * np.pi, 40, 12, touching=True)
+    ball = icosphere(1)
+    source = np.concatenate([ball[0] * 0.2 + [0, 0, 3], vertices]), np.concatenate([ball[1], faces + len(ball[0])])
+    target, places2 = snake(3.5, 42, 14)
+    result = mm.match(source, target)
+    assert not result.source.handles_kept and result.source.whole_mesh.others is not None
+    nearest = scipy.spatial.cKDTree(places2).query(places1)[1]
+    mapped = target[0][result.dense().vertex_map[len(ball[0]) :]]
+    found = np.linalg.norm(mapped - target[0][nearest], axis=1) / result.target.scale
+    assert np.median(found) < 0.06 and np.mean(found < 0.12) > 0.97
 
 
 def fused(shape, seed, rings=3):

@@ -19,7 +19,7 @@ class Prepared:
     def __init__(self, mesh, loops=()):
         self.mesh = self.whole_mesh = mesh
         self.detail = None
-        self.loops = mesh.vertex_ids[np.array([vertex for loop in loops for vertex in loop], np.int64)]
+        self.loops = np.array([vertex for loop in loops for vertex in loop], np.int64)
         self.loop_sizes = np.array([len(loop) for loop in loops], np.int64)
 
 

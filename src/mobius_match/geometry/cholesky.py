@@ -54,7 +54,12 @@ class Pattern:
         self._diagonal = np.flatnonzero(matrix.indices == np.repeat(np.arange(n), np.diff(matrix.indptr)))
         matrix = matrix.copy()
         matrix.data[self._diagonal] += masses
-        shuffled, factors = _superlu(matrix)  # of which only the order is used
+        try:
+            shuffled, factors = _superlu(matrix)  # of which only the order is used
+        except RuntimeError:  # a pivot is zero, next to faces without area: any matrix of the pattern has that order
+            matrix.data[:] = -1.0
+            matrix.data[self._diagonal] = np.diff(matrix.indptr)
+            shuffled, factors = _superlu(matrix)
         self._order = np.empty(n, np.int64)
         self._order[shuffled] = factors.perm_c
         self._columns, self._rows, self._source = _upper(matrix.indptr, matrix.indices, self._order)

@@ -101,10 +101,10 @@ def cut_along(mesh: Mesh, loops: list[Ints]) -> tuple[Mesh, Ints]:
     Returns
     -------
     mesh : Mesh
-        All vertices keep their numbers. The vertices of loops are doubled; the new ones come last, and share the user's
-        number in ``vertex_ids`` with those that they were.
+        Vertices keep their order. Those of loops are doubled: both share the user's number in ``vertex_ids``, and the
+        second one comes next to the first.
     origin : (n',) int64
-        Of each vertex the number in the given mesh.
+        Of each vertex the number in the given mesh, ascending.
     """
     faces, origin = cut_faces(mesh.faces, loops)
     cut = replace(mesh, vertices=mesh.vertices[origin], faces=faces, vertex_ids=mesh.vertex_ids[origin])
@@ -124,14 +124,12 @@ def cut_faces(faces: Ints, loops: list[Ints]) -> tuple[Ints, Ints]:
     number, fan = fan_links(np.ascontiguousarray(faces), one[inside], two[inside], none, none)
     first = np.full(number, faces.size)
     np.minimum.at(first, fan, np.arange(faces.size))
-    # The fan of the lowest corner keeps the number of its vertex.
+    # Vertices keep their order, and copies of one follow each other, as repair leaves them.
     vertex = faces.ravel()[first]
     order = np.lexsort((first, vertex))
-    more = np.zeros(number, dtype=bool)
-    more[order[1:]] = vertex[order[1:]] == vertex[order[:-1]]
-    renamed = vertex.copy()
-    renamed[more] = n + np.arange(more.sum())
-    return renamed[fan].reshape(-1, 3), np.concatenate([np.arange(n), vertex[more]])
+    rank = np.empty(number, dtype=np.int64)
+    rank[order] = np.arange(number)
+    return rank[fan].reshape(-1, 3), vertex[order]
 
 
 def loop_lengths(vertices: Floats, loops: list[Ints]) -> Floats:

@@ -235,7 +235,7 @@ def _prepare(
             f"the flattening closes only to {flattening.closure:.1e} of its extent; "
             "matches may suffer; remove sliver triangles"
         )
-    positions = vertex_positions(flattening, flat, samples.vertices, settings.placement)
+    positions = vertex_positions(flattening, flat, np.searchsorted(origin, samples.vertices), settings.placement)
     clock.lap("flattening")
     progress(f"describing {mesh.name}", 2, 3)
     eigenvalues, eigenfunctions = eigenbasis(triangulation, parameters.eigenfunctions)
@@ -252,7 +252,7 @@ def _prepare(
     proxy = proxy_points(areas, parameters.proxy_size, samples.vertices)
     # A boundary along which a handle was cut open is no edge of a disc.
     rim = np.isin(mesh.vertex_ids[boundary_edges(mesh.faces)], np.concatenate([*loops, []])).all()
-    disc = np.empty(0, np.complex128) if rim else disc_positions(flattening, flat, proxy)
+    disc = np.empty(0, np.complex128) if rim else disc_positions(flattening, flat, np.searchsorted(origin, proxy))
     nearest = nearest_centres(vertices, mesh.faces, proxy)
     touching = np.sort(nearest[mesh.faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)], axis=1)
     clock.lap("descriptors")

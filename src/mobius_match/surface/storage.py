@@ -22,7 +22,7 @@ from .simplified import Detail
 
 ENDING = ".npz"
 FORMAT = "mobius-match/surface"
-VERSION = 10
+VERSION = 11
 """To be raised whenever other numbers come out of the preparation, or go into the file."""
 
 

@@ -18,17 +18,17 @@ PARAMETERS = Parameters()
 @pytest.mark.parametrize(
     ("as_part", "as_whole", "cost", "fit", "expected"),
     [
-        (0.05, 0.11, 1.0, False, Coverage.PART),
-        (0.05, 0.11, 1.0, True, Coverage.WHOLE),
-        (0.05, 0.09, 1.0, False, Coverage.WHOLE),
-        (0.05, 0.09, 3.6, False, Coverage.BOTH_INCOMPLETE),
-        (0.05, 0.11, 3.6, False, Coverage.PART),
+        (0.05, 0.16, 1.0, False, Coverage.PART),
+        (0.05, 0.16, 1.0, True, Coverage.WHOLE),
+        (0.05, 0.12, 1.0, False, Coverage.WHOLE),
+        (0.05, 0.08, 2.0, False, Coverage.PART),
+        (0.05, 0.03, 3.6, False, Coverage.BOTH_INCOMPLETE),
     ],
 )
 def test_coverage_of_two_surfaces_with_large_openings(monkeypatch, as_part, as_whole, cost, fit, expected):
-    """By the error of distances; as wholes by the cost of the map that they are registered along."""
+    """By the error of distances times the cost of the placement, or of the map that wholes are registered along."""
     sheet, match = mm.prepare(bent(grid(16, 13))), object()
-    located = SimpleNamespace(match=lambda: match)
+    located = SimpleNamespace(match=lambda: match, placement=SimpleNamespace(cost=1.0))
     monkeypatch.setattr(decision, "part_error", lambda _: as_part)
     monkeypatch.setattr(decision, "whole_error", lambda *_: as_whole)
     monkeypatch.setattr(decision, "fit_as_wholes", lambda *_: fit)
@@ -39,7 +39,7 @@ def test_coverage_of_two_surfaces_with_large_openings(monkeypatch, as_part, as_w
     coverage, found, notes = decision.choose_coverage(sheet, sheet, [located], [alignment], *constants)
     assert coverage is expected
     assert found is (match if expected is Coverage.PART else None)
-    assert f"error of distances {as_whole:.3f} as wholes, 0.050 as a part" in notes[0]
+    assert f"cost {cost * as_whole:.3g} as wholes, 0.05 as a part" in notes[0]
     assert any("both have large openings" in note for note in notes) == (expected is Coverage.BOTH_INCOMPLETE)
     ball = mm.prepare(icosphere(2))
     assert decision.choose_coverage(sheet, ball, [], [alignment], *constants) == (Coverage.WHOLE, None, [])

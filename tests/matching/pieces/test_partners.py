@@ -99,7 +99,7 @@ def test_a_row_of_pieces_that_look_alike_keeps_its_order():
         turns = [np.array([[np.cos(a), np.sin(a), 0], [-np.sin(a), np.cos(a), 0], [0, 0, 1]]) for a in angles]
         return [(blade @ turn + [0.0, -0.9, 0.2], ball[1]) for turn in turns]
 
-    first, second = union(body, *fan(-2.1)), union(body, *fan(-1.8))
+    first, second = union(body, *fan(-2.1)), union(body, *fan(-1.6))
     vertex_map = mm.match(first, (moved(second[0]), second[1]), seed=0).dense().vertex_map
     n, m = len(body[0]), len(ball[0])
     np.testing.assert_array_equal((vertex_map[n:] - n) // m, np.repeat(np.arange(6), m))

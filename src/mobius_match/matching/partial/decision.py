@@ -1,7 +1,7 @@
 """Whether two surfaces correspond as wholes, one is a part of the other, or each lacks something.
 
 A surface with a long rim may be a part, a whole with a hole, or a disc. All readings are tried, and compared by one
-error of distances.
+cost.
 """
 
 from __future__ import annotations
@@ -12,14 +12,13 @@ from scipy.spatial import cKDTree
 from ...alignments.alignment import Alignment
 from ...alignments.cost import registered_map_cost
 from ...alignments.parameters import AlignmentParameters
-from ...geometry.geodesics import geodesic_solver
 from ...registration.sparse import Registration
 from ...surface.surface import Surface
 from .coverage import Coverage, may_be_part
 from .openings import openings
 from .pair import PartPair
 from .parameters import PartialParameters
-from .part import Located, PartMatch
+from .part import Located, PartMatch, distances_between
 
 
 def choose_coverage(
@@ -55,18 +54,22 @@ def choose_coverage(
     open_ones = [one.mesh.name for one in (source, target) if may_be_part(one, parameters)]
     notes = []
     registration = alignments[0].registered(source, target, of_alignment) if alignments and open_ones else None
+    map_cost = np.inf
+    if registration is not None:
+        map_cost = registered_map_cost(source, target, registration, of_alignment.cost)
     if parts:
-        errors = [part_error(one) for one in parts]
-        best = int(np.argmin(errors))
-        as_whole = np.inf if registration is None else whole_error(source, target, registration, parameters)
-        compared = f"error of distances {as_whole:.3f} as wholes, {errors[best]:.3f} as a part"
-        as_part = as_whole > parameters.part_advantage * errors[best]
+        costs = [part_error(one) * one.placement.cost for one in parts]
+        best, as_whole = int(np.argmin(costs)), np.inf
+        if registration is not None:
+            as_whole = whole_error(source, target, registration, parameters) * map_cost
+        compared = f"cost {as_whole:.3g} as wholes, {costs[best]:.3g} as a part"
+        as_part = as_whole > parameters.part_advantage * costs[best]
         if as_part and not (registration and fit_as_wholes(source, target, registration, parts[best])):
             return Coverage.PART, parts[best].match(), part_notes(parts[best], compared)
         notes.append(f"{' and '.join(open_ones)}: matched as a whole in spite of the openings ({compared})")
     if registration is None or len(open_ones) < 2:
         return Coverage.WHOLE, None, notes
-    if registered_map_cost(source, target, registration, of_alignment.cost) > parameters.incomplete_cost:
+    if map_cost > parameters.incomplete_cost:
         notes.append(
             f"{source.mesh.name} and {target.mesh.name} both have large openings and differ as wholes: where each "
             f"lacks a part of the other, matches are wrong; all confidences were reduced"
@@ -150,8 +153,6 @@ def distance_error(here: np.ndarray, target: Surface, image: np.ndarray, paramet
     parameters
         Constants of the method.
     """
-    mesh, softening = target.mesh, parameters.landmark_distance
-    solve = geodesic_solver(mesh.vertices / target.scale, mesh.faces, target.geodesics)
-    there = np.stack([solve(int(vertex))[image] for vertex in image])
-    ratios = np.log((here + softening) / ((there + there.T) / 2 + softening))
+    softening = parameters.landmark_distance
+    ratios = np.log((here + softening) / (distances_between(target, image) + softening))
     return float(np.abs(ratios[np.triu_indices(len(image), 1)]).mean())
