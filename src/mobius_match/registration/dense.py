@@ -7,7 +7,7 @@ Beyond the paper. The deformed proxy carries the whole mesh, which is then defor
 from __future__ import annotations
 
 import numpy as np
-from scipy.spatial import cKDTree
+import scipy
 
 from ..geometry.nearest_neighbors import nearest_neighbors, spatial_order
 from ..geometry.normals import vertex_normals
@@ -146,7 +146,7 @@ def _carried(
     rest: np.ndarray, carriers: np.ndarray, positions: np.ndarray, rotations: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Positions (n, 3) and rotations (n, 3, 3) of all points, from those of some of them (p,): means of the nearest."""
-    distance, near = cKDTree(rest[carriers]).query(rest, min(CARRIERS, len(carriers)))
+    distance, near = scipy.spatial.cKDTree(rest[carriers]).query(rest, min(CARRIERS, len(carriers)))
     weights = np.maximum(1 - distance / (1.001 * distance[:, -1:] + np.finfo(float).tiny), 1e-3) ** 2
     weights /= weights.sum(axis=1, keepdims=True)
     arms = rest[:, None] - rest[carriers[near]]
