@@ -8,8 +8,8 @@ from mobius_match.mesh.writing import mesh_files
 from tests.shapes import lump, rotation
 
 FEW = {"samples": 30, "geodesics": "dijkstra"}
-REST = {"triangulation": "delaunay", "placement": "mean", "resolution": 8000}
-PREPARATION = ("samples", "geodesics", "triangulation", "placement", "resolution")
+REST = {"triangulation": "delaunay", "placement": "mean", "resolution": 8000, "pieces": "largest"}
+PREPARATION = ("samples", "geodesics", "triangulation", "placement", "resolution", "pieces")
 
 
 @pytest.fixture(scope="module")

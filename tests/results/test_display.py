@@ -17,7 +17,7 @@ from mobius_match.alignments.alignment import Alignment
 from mobius_match.evaluation import examples
 from mobius_match.landmarks.constraints import landmark_constraints
 
-LONGEST = 300
+LONGEST = 330
 """Characters of a record in one line."""
 
 LARGE = re.compile(r"(tuple\[)?(np\.ndarray|Surface|Mesh|Correspondence|Registration|Landmarks|Truth|dict|list)")

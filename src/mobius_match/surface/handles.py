@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from .._core.display import one_line
 from ..mesh import Mesh
 from ..mesh.handles import cut_along, handle_loops, handles_note, loop_lengths
 from ..mesh.measure import areas, unit_box
@@ -30,6 +31,9 @@ class HandleReadings:
 
     meshes: tuple[Mesh, ...]
     loops: list[np.ndarray]
+
+    def __repr__(self) -> str:
+        return one_line(self)
 
 
 def handle_readings(mesh: Mesh, proxy_size: int) -> HandleReadings:

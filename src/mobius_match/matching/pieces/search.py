@@ -45,6 +45,9 @@ class PieceSearch:
     alignment: AlignmentParameters
     parameters: PiecesParameters
 
+    def __repr__(self) -> str:
+        return one_line(self)
+
     @property
     def controls(self) -> int:
         """As in :func:`.riding.map_of_all_pieces`: as many as the proxy of a surface has."""
