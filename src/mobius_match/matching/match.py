@@ -250,7 +250,8 @@ def align(
     constants = parameters.alignment
     votes, candidates = alignments_with_landmarks(source, target, votes, settings, constants, constraints)
     alignments = rerank_by_registration(source, target, candidates, constants, settings.jobs)
-    parts = locate_parts(
+    locate = partial(
+        locate_parts,
         source,
         target,
         parameters.partial,
@@ -260,7 +261,7 @@ def align(
         constraints,
         constants.voting,
     )
-    coverage, part, notes = choose_coverage(source, target, parts, alignments, parameters.partial, constants)
+    coverage, part, notes = choose_coverage(source, target, locate, alignments, parameters.partial, constants)
     return Outcome(votes, coverage, [] if part else alignments, part, notes)
 
 

@@ -18,11 +18,11 @@ PARAMETERS = Parameters()
 @pytest.mark.parametrize(
     ("as_part", "as_whole", "cost", "fit", "expected"),
     [
-        (0.05, 0.16, 1.0, False, Coverage.PART),
-        (0.05, 0.16, 1.0, True, Coverage.WHOLE),
-        (0.05, 0.12, 1.0, False, Coverage.WHOLE),
-        (0.05, 0.08, 2.0, False, Coverage.PART),
-        (0.05, 0.03, 3.6, False, Coverage.BOTH_INCOMPLETE),
+        (0.2, 0.64, 1.0, False, Coverage.PART),
+        (0.2, 0.64, 1.0, True, Coverage.WHOLE),
+        (0.2, 0.48, 1.0, False, Coverage.WHOLE),
+        (0.2, 0.32, 2.0, False, Coverage.PART),
+        (0.2, 0.12, 3.6, False, Coverage.BOTH_INCOMPLETE),
     ],
 )
 def test_coverage_of_two_surfaces_with_large_openings(monkeypatch, as_part, as_whole, cost, fit, expected):
@@ -36,13 +36,23 @@ def test_coverage_of_two_surfaces_with_large_openings(monkeypatch, as_part, as_w
     monkeypatch.setattr(decision, "registered_map_cost", lambda *_: cost)
     alignment = SimpleNamespace(registered=lambda *_: object())
     constants = PARAMETERS.partial, PARAMETERS.alignment
-    coverage, found, notes = decision.choose_coverage(sheet, sheet, [located], [alignment], *constants)
+    coverage, found, notes = decision.choose_coverage(sheet, sheet, lambda: [located], [alignment], *constants)
     assert coverage is expected
     assert found is (match if expected is Coverage.PART else None)
-    assert f"cost {cost * as_whole:.3g} as wholes, 0.05 as a part" in notes[0]
+    assert f"cost {cost * as_whole:.3g} as wholes, 0.2 as a part" in notes[0]
     assert any("both have large openings" in note for note in notes) == (expected is Coverage.BOTH_INCOMPLETE)
     ball = mm.prepare(icosphere(2))
-    assert decision.choose_coverage(sheet, ball, [], [alignment], *constants) == (Coverage.WHOLE, None, [])
+    assert decision.choose_coverage(sheet, ball, list, [alignment], *constants) == (Coverage.WHOLE, None, [])
+
+
+def test_no_part_is_looked_for_where_the_wholes_agree(monkeypatch):
+    monkeypatch.setattr(decision, "whole_error", lambda *_: 0.06)
+    monkeypatch.setattr(decision, "registered_map_cost", lambda *_: 9.0)
+    sheet, alignment = mm.prepare(bent(grid(16, 13))), SimpleNamespace(registered=lambda *_: object())
+    constants = PARAMETERS.partial, PARAMETERS.alignment
+    coverage, found, notes = decision.choose_coverage(sheet, sheet, pytest.fail, [alignment], *constants)
+    assert (coverage, found) == (Coverage.WHOLE, None)
+    assert "distances agree to 6%" in notes[0]
 
 
 def test_the_gap_between_rims():

@@ -6,6 +6,8 @@ cost.
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 import scipy
 
@@ -20,11 +22,13 @@ from .pair import PartPair
 from .parameters import PartialParameters
 from .part import Located, PartMatch, distances_between
 
+AS_WHOLE = "matched as a whole in spite of the openings"
+
 
 def choose_coverage(
     source: Surface,
     target: Surface,
-    parts: list[Located],
+    locate: Callable[[], list[Located]],
     alignments: list[Alignment],
     parameters: PartialParameters,
     of_alignment: AlignmentParameters,
@@ -35,8 +39,8 @@ def choose_coverage(
     ----------
     source, target
         The surfaces.
-    parts
-        The result of :func:`locate_parts`.
+    locate
+        Gives the result of :func:`.part.locate_parts`, which takes long. It is not called where the wholes agree.
     alignments
         Of the two as wholes, the chosen one first, which is registered; or none.
     parameters, of_alignment
@@ -52,21 +56,24 @@ def choose_coverage(
         What the user should know about it, a line each.
     """
     open_ones = [one.mesh.name for one in (source, target) if may_be_part(one, parameters)]
+    if not open_ones:
+        return Coverage.WHOLE, None, []
     notes = []
-    registration = alignments[0].registered(source, target, of_alignment) if alignments and open_ones else None
-    map_cost = np.inf
+    registration = alignments[0].registered(source, target, of_alignment) if alignments else None
+    error = map_cost = np.inf
     if registration is not None:
+        error = whole_error(source, target, registration, parameters)
         map_cost = registered_map_cost(source, target, registration, of_alignment.cost)
-    if parts:
+    if error <= parameters.same_error:
+        return Coverage.WHOLE, None, [f"{' and '.join(open_ones)}: {AS_WHOLE} (distances agree to {error:.0%})"]
+    if parts := locate():
         costs = [part_error(one) * one.placement.cost for one in parts]
-        best, as_whole = int(np.argmin(costs)), np.inf
-        if registration is not None:
-            as_whole = whole_error(source, target, registration, parameters) * map_cost
+        best, as_whole = int(np.argmin(costs)), error * map_cost
         compared = f"cost {as_whole:.3g} as wholes, {costs[best]:.3g} as a part"
         as_part = as_whole > parameters.part_advantage * costs[best]
         if as_part and not (registration and fit_as_wholes(source, target, registration, parts[best])):
             return Coverage.PART, parts[best].match(), part_notes(parts[best], compared)
-        notes.append(f"{' and '.join(open_ones)}: matched as a whole in spite of the openings ({compared})")
+        notes.append(f"{' and '.join(open_ones)}: {AS_WHOLE} ({compared})")
     if registration is None or len(open_ones) < 2:
         return Coverage.WHOLE, None, notes
     if map_cost > parameters.incomplete_cost:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from ..._core.parameters import AREA, HAND, parameter
 
-SCRIPT = "fitted by `benchmarks/fit_partial.py`"
+SCRIPT = "fitted by `benchmarks/fit_partial.py`, before sizes were corrected by distances nearby"
 
 
 @dataclass(frozen=True)
@@ -73,6 +73,13 @@ class PartialParameters:
 
     # Part or whole.
     credible_cost: float = parameter(1.95, "cost above which the part does not belong to the whole", origin=HAND)
+    same_error: float = parameter(
+        0.1,
+        "mean difference of the logarithms of distances up to which two surfaces with openings are wholes, and no part "
+        "is looked for",
+        origin="by hand: analytic discs cut to 84 % and the shipped person cut to 85 % have up to 0.08, discs cut to "
+        "67 % and halves of the person 0.14 and more",
+    )
     part_advantage: float = parameter(
         2.5,
         "a surface is taken for a part where two wholes cost so many times as much",
