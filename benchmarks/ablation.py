@@ -49,8 +49,8 @@ these. They are measured again [where shapes differ](ablation-differing.md), on 
         """
 ## Constants that were merged
 
-The method once had about 200 constants; it has 120 now ([parameters](parameters.md)). Of these groups, the ablation
-showed no difference between several constants and one:
+The method once had about 200 constants; 120 were left, to which discs, pieces and envelopes have added 15
+([parameters](parameters.md)). Of these groups, the ablation showed no difference between several constants and one:
 
 - **Schedules of registration.** Sparse and dense registration had separate data weights, rounds and steps. There is one
   geometric sequence of weights, and the weight and the steps of the initial placement follow from it.
