@@ -11,17 +11,18 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..errors import TopologyError
-from .links import fan_links
 from .loops import closing_edges, loop_of, shortest_tree
 from .measure import areas, unit_box
 from .mesh import Floats, Ints, Mesh, count
 from .parameters import EnvelopeParameters
+from .sheets import cut_edges
 from .topology import (
     EdgeTable,
     boundary_lengths,
     components,
     edge_table,
     euler_characteristic,
+    fans,
     labels_of,
 )
 
@@ -118,18 +119,15 @@ def cut_faces(faces: Ints, loops: list[Ints]) -> tuple[Ints, Ints]:
     cut = np.zeros(len(table.edges), dtype=bool)
     for loop in loops:
         cut[_edges_on(table, loop, n)] = True
-    one, two = table.pairs
-    inside = ~cut[table.face_edges.ravel()[one]]
-    none = one[:0]
-    number, fan = fan_links(np.ascontiguousarray(faces), one[inside], two[inside], none, none)
+    number, fan = fans(faces, cut_edges(table, np.flatnonzero(cut)))
     first = np.full(number, faces.size)
-    np.minimum.at(first, fan, np.arange(faces.size))
+    np.minimum.at(first, fan.ravel(), np.arange(faces.size))
     # Vertices keep their order, and copies of one follow each other, as repair leaves them.
     vertex = faces.ravel()[first]
     order = np.lexsort((first, vertex))
     rank = np.empty(number, dtype=np.int64)
     rank[order] = np.arange(number)
-    return rank[fan].reshape(-1, 3), vertex[order]
+    return rank[fan], vertex[order]
 
 
 def loop_lengths(vertices: Floats, loops: list[Ints]) -> Floats:

@@ -121,29 +121,23 @@ def closing_edges(
 
 
 @jit
+def _path_to_root(vertex: int, edges: np.ndarray, parent: np.ndarray) -> np.ndarray:
+    """The vertices from one to the root of the tree, both included."""
+    at, number = vertex, 1
+    while parent[at] >= 0:
+        at = edges[parent[at], 0] + edges[parent[at], 1] - at
+        number += 1
+    path = np.empty(number, np.int64)
+    path[0] = vertex
+    for k in range(1, number):
+        path[k] = edges[parent[path[k - 1]], 0] + edges[parent[path[k - 1]], 1] - path[k - 1]
+    return path
+
+
+@jit
 def loop_of(edge: int, edges: np.ndarray, distance: np.ndarray, parent: np.ndarray) -> np.ndarray:
     """The vertices of the loop that an edge closes with the tree, without what is common to both paths."""
-    u, v = edges[edge, 0], edges[edge, 1]
-    at, number = u, 1
-    while parent[at] >= 0:
-        at = edges[parent[at], 0] + edges[parent[at], 1] - at
-        number += 1
-    one = np.empty(number, np.int64)
-    at = u
-    for k in range(number):
-        one[k] = at
-        if parent[at] >= 0:
-            at = edges[parent[at], 0] + edges[parent[at], 1] - at
-    at, number = v, 1
-    while parent[at] >= 0:
-        at = edges[parent[at], 0] + edges[parent[at], 1] - at
-        number += 1
-    two = np.empty(number, np.int64)
-    at = v
-    for k in range(number):
-        two[k] = at
-        if parent[at] >= 0:
-            at = edges[parent[at], 0] + edges[parent[at], 1] - at
+    one, two = _path_to_root(edges[edge, 0], edges, parent), _path_to_root(edges[edge, 1], edges, parent)
     i, j = len(one), len(two)
     while i > 1 and j > 1 and one[i - 2] == two[j - 2]:  # both end at the root
         i, j = i - 1, j - 1

@@ -5,7 +5,6 @@ from __future__ import annotations
 from enum import Enum
 
 from ...surface.surface import Surface
-from .openings import openings
 from .parameters import PartialParameters
 
 
@@ -27,4 +26,4 @@ def may_be_part(surface: Surface, parameters: PartialParameters) -> bool:
 
     How many small holes it has tells nothing, nor does its size in the file. It may be a whole surface all the same.
     """
-    return openings(surface).longest > parameters.opening
+    return surface.rim_length > parameters.opening

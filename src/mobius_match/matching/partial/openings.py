@@ -17,7 +17,7 @@ class Openings:
     Parameters
     ----------
     longest
-        Length of the longest rim per sqrt(area); 0 for a closed surface.
+        :attr:`.Surface.rim_length`.
     missing
         Area of all caps per area of the surface; see :func:`openings`.
     """
@@ -33,14 +33,12 @@ def openings(surface: Surface) -> Openings:
     (1/2) sum x_k cross x_(k+1) over the vertices of the rim. That is the area of the least surface through a flat rim,
     at most L^2 / (4 pi) for a rim of length L, and hardly depends on how jagged the rim is.
     """
-    longest = missing = 0.0
+    missing = 0.0
     for loop in boundary_loops(surface.mesh.faces):
         points = surface.mesh.vertices[loop]
         points = (points - points.mean(axis=0)) / surface.scale
         following = np.roll(points, -1, axis=0)
         on_cut = np.isin(surface.mesh.vertex_ids[loop], surface.loops)
-        length = np.linalg.norm(following - points, axis=1)[~(on_cut & np.roll(on_cut, -1))].sum()
-        if length > 0:
-            longest = max(longest, float(length))
+        if not (on_cut & np.roll(on_cut, -1)).all():
             missing += float(np.linalg.norm(np.cross(points, following).sum(axis=0)) / 2)
-    return Openings(longest, missing)
+    return Openings(surface.rim_length, missing)
