@@ -24,6 +24,6 @@ class Coverage(Enum):
 def may_be_part(surface: Surface, parameters: PartialParameters) -> bool:
     """Whether a surface may be a part of another one: one of its rims is long.
 
-    How many small holes it has tells nothing, nor does its size in the file. It may be a whole surface all the same.
+    The number of its small holes and its size in the file have no influence. It may be a whole surface all the same.
     """
     return surface.rim_length > parameters.opening

@@ -45,9 +45,9 @@ class Comparison:
         self.trees = [scipy.spatial.cKDTree(points) for points in self.points[1]]
 
     def assigned(self, carried: np.ndarray, most: float) -> list[tuple[int, int]]:
-        """Pairs of groups of least total cost, without those whose place or shape is off by more; the surest first.
+        """Pairs of groups of least total cost, without those off by more in place or shape; the least ambiguous first.
 
-        A pair is the surer the more its cost is below all others of its row and of its column.
+        A pair is the less ambiguous the further its cost is below all others of its row and of its column.
         """
         shape = len(self.points[0]), len(self.points[1])
         costs = np.array([[self.cost(i, j, carried, most) for j in range(shape[1])] for i in range(shape[0])])

@@ -28,8 +28,8 @@ def find_partners(
     """Pairs of pieces, besides the main ones, that belong together.
 
     In rounds: what is not matched yet is carried along with what is, groups of pieces that touch are laid onto groups
-    that are alike, pieces are assigned to each other, and the surest quarter of the pairs below the largest cost is
-    matched. So a comb follows a head once the head has been found.
+    that are alike, pieces are assigned to each other, and the least ambiguous quarter of the pairs below the largest
+    cost is matched. So a comb follows a head once the head has been found.
 
     Parameters
     ----------
