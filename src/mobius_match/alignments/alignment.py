@@ -15,7 +15,7 @@ from ..registration.sparse import Registration, is_discontinuous, register
 from ..surface.surface import Surface
 from .coarse_map import balanced_targets, refined_targets
 from .cost import registration_cost
-from .parameters import AlignmentParameters
+from .parameters import AlignmentParameters, Evidence
 
 by_cost = attrgetter("cost")
 
@@ -29,9 +29,9 @@ class Alignment:
     image
         (P1,) int64: target vertex of each vertex of the source's proxy.
     cost_terms
-        Terms of its cost by name, 0 is perfect; "strain", if it was compared by registration, relative to the first.
+        Terms of its cost by name, 0 is perfect.
     cost
-        Their weighted sum; the alignment of least cost is chosen.
+        Their weighted sum; the alignments of least cost are registered.
     share
         Fraction of the best triplets that belong to its cluster.
     registration
@@ -41,6 +41,10 @@ class Alignment:
         :func:`register_iteratively`.
     constraints
         Landmarks, for registration.
+    probability
+        That it is right; 0 if it was not registered for the choice.
+    evidence
+        What that comes from; None if it was not registered for the choice.
     """
 
     image: np.ndarray
@@ -50,6 +54,8 @@ class Alignment:
     registration: Registration | None = None
     shapes_differ: bool = False
     constraints: LandmarkConstraints | None = None
+    probability: float = 0.0
+    evidence: Evidence[float] | None = None
 
     def __repr__(self) -> str:
         return one_line(self)

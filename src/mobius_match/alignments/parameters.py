@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
+from typing import Generic, TypeVar
+
+import numpy as np
 
 from .._core.parameters import AREA, HAND, parameter
 from ..landmarks.parameters import LandmarkParameters
 from ..registration.parameters import RegistrationParameters
 from ..voting.parameters import VotingParameters
+
+Value = TypeVar("Value")
 
 
 @dataclass(frozen=True)
@@ -72,6 +77,17 @@ class ExtremityParameters:
 
 
 @dataclass(frozen=True)
+class PoseParameters:
+    """Rigid motions of one shape onto the other."""
+
+    normal: float = parameter(0.15, "weight of normals against positions per sqrt(area)", origin="as in registration")
+    thinning: int = parameter(4, "every so many-th point of the proxy is moved", origin="time")
+    steps: int = parameter(8, "searches for closest points from each rotation", origin=HAND)
+    distinct: float = parameter(0.5, "angle from which two rotations are different ones", unit="radians", origin=HAND)
+    tried: int = parameter(4, "motions that become candidates", origin=HAND)
+
+
+@dataclass(frozen=True)
 class DiscParameters:
     """The search through all maps between two discs, the paper's footnote."""
 
@@ -128,6 +144,69 @@ class CostParameters:
 
 
 @dataclass(frozen=True)
+class Evidence(Generic[Value]):
+    """One value for each term.
+
+    Parameters
+    ----------
+    distances, laplacian, mean_curvature, gauss_curvature
+        The terms of the cost (:mod:`.cost`), as means over both directions.
+    descriptors
+        1 - correlation of the wave kernel signatures, as the mean over both directions.
+    stretch
+        Mean hyperbolic tangent of the absolute logarithms of the stretches of edges.
+    turning
+        Mean of 1 - cosine of the angle between the normals of the deformed source and of the target.
+    bending
+        Mean angle between the rotations of neighbours, as a share of pi.
+    rigidity
+        Square root of the share of the variance of the deformed source that no rotation with one scale explains.
+    round_trip
+        Relative error of functions that are drawn at random, diffused, and carried to the other surface and back, in
+        root mean square over all of them, as the mean over both surfaces.
+    roughness
+        Share of the variance of diffused functions of one surface that is lost, carried to the other one, to functions
+        rougher than the eigenfunctions; the mean over both directions.
+    residual, gap
+        Mean distances of the deformed source from the target, and of the target from the deformed source, per
+        sqrt(area).
+    """
+
+    distances: Value
+    laplacian: Value
+    mean_curvature: Value
+    gauss_curvature: Value
+    descriptors: Value
+    stretch: Value
+    turning: Value
+    bending: Value
+    rigidity: Value
+    round_trip: Value
+    roughness: Value
+    residual: Value
+    gap: Value
+
+    def values(self) -> np.ndarray:
+        """The values in the order of the fields."""
+        return np.array([getattr(self, one.name) for one in fields(self)], np.float64)
+
+
+@dataclass(frozen=True)
+class ChoiceParameters:
+    """A model of the probability of each alignment: a conditional logistic one, in which none may be right."""
+
+    diffusion_time: float = parameter(
+        0.01, "time for which functions are diffused, on surfaces of area 1", unit="area", origin="to be fitted"
+    )
+    weights: Evidence[float] = parameter(
+        Evidence(-3.0, -1.0, -1.0, -3.0, -1.0, -10.0, -10.0, -5.0, -3.0, -5.0, -5.0, -20.0, -20.0),
+        "weight of each term of the evidence",
+        origin="fitted by `benchmarks/fit_choice.py`",
+    )
+    offset: float = parameter(10.0, "score of an alignment that nothing speaks against", origin="as the weights")
+
+
+@dataclass(frozen=True)
 class SelectionParameters:
     """What is done, and how much of it, until an alignment is chosen; costs have no unit."""
 
@@ -137,11 +216,19 @@ class SelectionParameters:
         "as well, maps are begun in other ways, and registration is repeated",
         origin=HAND,
     )
+    sure_above: float = parameter(
+        0.95, "probability of the best alignment from which no further candidates are looked for", origin=HAND
+    )
     contest_margin: float = parameter(
-        2.0, "margin up to which candidates are compared by registration, first coarse, then full", origin=HAND
+        2.0, "margin in cost up to which candidates are registered and compared", origin=HAND
     )
     most_contenders: int = parameter(4, "candidates compared at most", origin="time")
-    ambiguous_margin: float = parameter(0.3, "margin below which the choice is called ambiguous", origin=HAND)
+    doubted_below: float = parameter(
+        0.7, "probability of the chosen alignment below which users are warned", origin=HAND
+    )
+    close_cost: float = parameter(
+        0.3, "difference in cost below which two readings of handles fit equally well", origin=HAND
+    )
     repeats: int = parameter(4, "repeated registrations of the chosen alignment where shapes differ", origin=HAND)
 
 
@@ -155,6 +242,8 @@ class AlignmentParameters:
     coarse_map: CoarseMapParameters = CoarseMapParameters()
     clusters: ClusterParameters = ClusterParameters()
     extremities: ExtremityParameters = ExtremityParameters()
+    poses: PoseParameters = PoseParameters()
     discs: DiscParameters = DiscParameters()
     cost: CostParameters = CostParameters()
     selection: SelectionParameters = SelectionParameters()
+    choice: ChoiceParameters = ChoiceParameters()

@@ -1,4 +1,4 @@
-"""The choice between alignments of similar cost, by how much registration along each strains the source."""
+"""The choice between alignments: each likely one is registered, and gets a probability from the evidence for it."""
 
 from __future__ import annotations
 
@@ -7,77 +7,108 @@ from dataclasses import replace
 import numpy as np
 
 from .._core.threads import Progress, map_threads
-from ..registration.sparse import register_coarsely
-from ..registration.strain import strain
-from ..surface.surface import Surface
 from .alignment import Alignment, by_cost, register_iteratively
-from .coarse_map import balanced_targets
-from .parameters import AlignmentParameters
+from .candidates import Candidates
+from .evidence import evidence
+from .parameters import AlignmentParameters, ChoiceParameters, Evidence
 
 
-def rerank_by_registration(
-    source: Surface,
-    target: Surface,
-    candidates: list[Alignment],
-    parameters: AlignmentParameters,
-    jobs: int | None = 1,
-) -> list[Alignment]:
-    """Alignments, the cheapest first, after those of similar cost have been compared by registration.
+def choose_alignment(candidates: Candidates, found: list[Alignment]) -> list[Alignment]:
+    """Alignments, the most probable first, which is registered: repeatedly where shapes differ.
 
-    A coarse registration shows what is right on the whole and wrong at a limb, a full one what is wrong on the whole.
-    Both take long; so only contenders are registered, and only those that the coarse one leaves hope get the full one.
-    The cost of each changes by the mean of the differences of its strains from those of the first. The winner has been
-    registered, repeatedly where shapes differ.
+    Registration takes long; so only the cheapest ones are registered, and the others have probability 0. Where none of
+    them is beyond doubt, further candidates are looked for, and compared with them.
+
+    Parameters
+    ----------
+    candidates
+        Makes further ones.
+    found
+        Those known, the cheapest first.
     """
-    if not candidates:
+    selection = candidates.parameters.selection
+    differ = bool(found) and found[0].cost > selection.different_above
+    rivals, left = _registered(candidates, found, differ)
+    if not rivals or rivals[0].probability < selection.sure_above:
+        more, none = _registered(candidates, candidates.further(rivals + left), differ)
+        rivals, left = rivals + more, left + none
+    rivals = with_probabilities(rivals, candidates.parameters)
+    if not rivals:
         return []
+    chosen, *others = rivals
+    if differ:
+        # What was registered once is where the repetition starts.
+        once, chosen = chosen.registration, replace(chosen, registration=None)
+        arguments = candidates.source, candidates.target, chosen, candidates.parameters, candidates.jobs
+        chosen = replace(chosen, registration=register_iteratively(*arguments, once))
+        others = [replace(one, registration=None) for one in others]
+    return [chosen, *others, *sorted(left, key=by_cost)]
+
+
+def _registered(
+    candidates: Candidates, found: list[Alignment], differ: bool
+) -> tuple[list[Alignment], list[Alignment]]:
+    """The cheapest of some alignments, registered, with their evidence and probabilities; and the others."""
+    source, target, parameters = candidates.source, candidates.target, candidates.parameters
     selection = parameters.selection
-    differ = candidates[0].cost > selection.different_above
     rivals = [
-        one
-        for one in candidates[: selection.most_contenders]
-        if one.cost - candidates[0].cost <= selection.contest_margin
+        replace(one, shapes_differ=differ)
+        for one in found[: selection.most_contenders]
+        if one.cost - found[0].cost <= selection.contest_margin
     ]
 
-    def coarse_strain(i: int, _: Progress) -> float:
-        image = balanced_targets(source, target, rivals[i].image, parameters.coarse_map)
-        registration = register_coarsely(source, target, image, parameters.registration, rivals[i].constraints)
-        return strain(source, target, registration, parameters.registration)
+    def with_evidence(i: int, _: Progress) -> Alignment:
+        registration = rivals[i].registered(source, target, parameters, candidates.jobs)
+        terms = evidence(source, target, registration, parameters.cost, parameters.choice)
+        return replace(rivals[i], registration=registration, evidence=terms)
 
-    strains = np.array(map_threads(coarse_strain, len(rivals), jobs, None) if len(rivals) > 1 else [0.0])
-    totals = strains + [one.cost for one in rivals]
-    least, likely = int(totals.argmin()), np.flatnonzero(totals <= totals.min() + selection.contest_margin).tolist()
-    contenders = [replace(rivals[i], shapes_differ=differ) for i in likely]
-    registrations = map_threads(
-        lambda k, _: contenders[k].registered(source, target, parameters, jobs), len(likely), jobs, None
-    )
-    # As differences, since a full registration strains less; the coarse one alone decides on the hopeless.
-    full = np.array([strain(source, target, one, parameters.registration) for one in registrations])
-    strains -= strains[least]
-    strains[likely] = (strains[likely] + full - full[likely.index(least)]) / 2
-    if len(rivals) > 1:
-        for i, more in enumerate((strains - strains[0]).tolist()):
-            rivals[i] = replace(
-                rivals[i], cost_terms=rivals[i].cost_terms | {"strain": more}, cost=rivals[i].cost + more
-            )
-    winner = min(likely, key=lambda i: rivals[i].cost)
-    chosen, registration = replace(rivals[winner], shapes_differ=differ), registrations[likely.index(winner)]
-    if differ:
-        registration = register_iteratively(source, target, chosen, parameters, jobs, registration)
-    others = [*rivals[:winner], *rivals[winner + 1 :], *candidates[len(rivals) :]]
-    return [replace(chosen, registration=registration), *sorted(others, key=by_cost)]
+    registered = map_threads(with_evidence, len(rivals), candidates.jobs, None)
+    return with_probabilities(registered, parameters), found[len(rivals) :]
 
 
-def ambiguity_warnings(alignments: list[Alignment], parameters: AlignmentParameters) -> list[str]:
-    """Warnings about the choice between alignments, the cheapest first."""
-    if alignments and alignments[0].cost_terms.get("landmarks"):
-        return ["the landmarks agree with none of the alignments found. Check the landmarks, and the matches"]
-    limit = parameters.selection.ambiguous_margin
-    if len(alignments) < 2 or alignments[1].cost - alignments[0].cost > limit:
+def with_probabilities(alignments: list[Alignment], parameters: AlignmentParameters) -> list[Alignment]:
+    """Alignments with their probabilities from the evidence for them and from landmarks, the most probable first."""
+    if not alignments:
         return []
-    margin = alignments[1].cost - alignments[0].cost
+    terms = [one.evidence for one in alignments if one.evidence is not None]
+    violations = np.array([one.cost_terms.get("landmarks", 0.0) for one in alignments])
+    scores = log_odds(terms, parameters.choice) - parameters.cost.weights.landmarks * violations
+    chances = probabilities(scores)
+    return [replace(alignments[i], probability=float(chances[i])) for i in np.argsort(-chances, kind="stable")]
+
+
+def log_odds(terms: list[Evidence[float]], parameters: ChoiceParameters) -> np.ndarray:
+    """The score (c,) of each alignment: the logarithm of the odds that it, and not none of them, is right."""
+    return np.array([one.values() for one in terms]) @ parameters.weights.values() + parameters.offset
+
+
+def probabilities(scores: np.ndarray) -> np.ndarray:
+    """The probability (c,) that each alignment is the right one, from the scores (c,).
+
+    Conditional logistic (McFadden 1974): p_i = exp(s_i) / (1 + sum_j exp(s_j)). The 1 stands for none of them.
+    """
+    highest = max(scores.max(), 0.0)
+    odds = np.exp(scores - highest)
+    return np.asarray(odds / (np.exp(-highest) + odds.sum()))
+
+
+def choice_warnings(alignments: list[Alignment], parameters: AlignmentParameters) -> list[str]:
+    """Warnings about the choice between alignments, the most probable first."""
+    if not alignments:
+        return []
+    if alignments[0].cost_terms.get("landmarks"):
+        return ["the landmarks agree with none of the alignments found. Check the landmarks, and the matches"]
+    first, *others = (one.probability for one in alignments)
+    if first >= parameters.selection.doubted_below:
+        return []
+    second = max(others, default=0.0)
+    if second >= first / 2:
+        return [
+            f"ambiguous: a second alignment (often left/right or front/back swapped) is almost as likely (probability "
+            f"{first:.2f} and {second:.2f}). Look at the matches and at the alternatives, or give one known pair as "
+            "`landmarks`"
+        ]
     return [
-        "ambiguous: a second alignment (often left/right or front/back swapped) scores almost as well (margin "
-        f"{margin:.2f}; below {limit} is close). Look at the matches and at the alternatives, or give one known pair "
-        "as `landmarks`"
+        f"doubtful: the alignment is right with a probability of {first:.2f} only. The shapes may have too little in "
+        "common; look at the matches, or give known pairs as `landmarks`"
     ]

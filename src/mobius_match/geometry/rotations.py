@@ -28,6 +28,14 @@ def nearest_rotations(matrices: np.ndarray) -> np.ndarray:
     return found
 
 
+def rigid_residual(first: np.ndarray, second: np.ndarray) -> float:
+    """Share, 0 to 1, of the variance of points (n, 3) that no rotation, scale and shift of other points explains."""
+    first, second = first - first.mean(axis=0), second - second.mean(axis=0)
+    left, sizes, right = np.linalg.svd(first.T @ second)
+    sizes[2] *= np.sign(np.linalg.det(left @ right))  # a reflection is no motion
+    return float(1 - sizes.sum() ** 2 / max((first**2).sum() * (second**2).sum(), np.finfo(float).tiny))
+
+
 @jit
 def _nearest_rotations(matrices: np.ndarray, found: np.ndarray) -> None:
     """Write the rotations."""

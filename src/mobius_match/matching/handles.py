@@ -60,7 +60,7 @@ def best_reading(
         # What a wide envelope closes is lost to the map, so it has to be the better one beyond doubt.
         cost, one, two, _ = runs[k]
         wide = any(side.envelope and side is not first for side, first in ((one, source), (two, target)))
-        return cost + parameters.alignment.selection.ambiguous_margin * wide
+        return cost + parameters.alignment.selection.close_cost * wide
 
     order = sorted(range(len(runs)), key=key)
     cost, one, two, found = runs[order[0]]

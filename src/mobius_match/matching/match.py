@@ -14,8 +14,8 @@ from .._core.threads import Progress, map_threads
 from .._core.timing import Stopwatch
 from .._core.versions import software
 from ..alignments.alignment import Alignment
-from ..alignments.candidates import alignments_with_landmarks
-from ..alignments.selection import ambiguity_warnings, rerank_by_registration
+from ..alignments.candidates import Candidates, alignments_with_landmarks
+from ..alignments.selection import choice_warnings, choose_alignment
 from ..errors import NothingFoundError, SettingsError
 from ..landmarks.constraints import LandmarkConstraints, landmark_constraints, with_given_pairs
 from ..results.correspondence import Correspondence
@@ -160,10 +160,11 @@ def match(
             *outcome.notes,
             *of_landmarks,
             *of_handles,
-            *ambiguity_warnings(outcome.alignments, parameters.alignment),
+            *choice_warnings(outcome.alignments, parameters.alignment),
         ),
         _make_alternatives=partial(_alternatives, first, second, outcome, chosen, parameters),
         _make_dense=partial(_dense_map, first, second, outcome, chosen, parameters, constraints),
+        probability=outcome.probability,
         source=first,
         target=second,
         votes=outcome.votes,
@@ -232,6 +233,13 @@ class Outcome:
     def __repr__(self) -> str:
         return one_line(self)
 
+    @property
+    def probability(self) -> float | None:
+        """That the two correspond in this way; None for votes alone, from which nothing of the kind follows."""
+        if self.part is not None:
+            return float(self.part.match_probabilities.max(initial=0.0))
+        return self.alignments[0].probability if self.alignments else None
+
 
 def align(
     source: Surface,
@@ -248,8 +256,9 @@ def align(
     if settings.proposal != "guided":
         return Outcome(votes, Coverage.WHOLE)
     constants = parameters.alignment
-    votes, candidates = alignments_with_landmarks(source, target, votes, settings, constants, constraints)
-    alignments = rerank_by_registration(source, target, candidates, constants, settings.jobs)
+    candidates = Candidates(source, target, constants, constraints, settings.jobs)
+    votes, found = alignments_with_landmarks(candidates, votes, settings)
+    alignments = choose_alignment(candidates, found)
     locate = partial(
         locate_parts,
         source,
@@ -306,6 +315,7 @@ def _alternatives(
                 **with_given_pairs(
                     aligned_matches(source, target, outcome.votes, one, settings, parameters), one.constraints, target
                 ),
+                probability=one.probability,
                 margin=one.cost - outcome.alignments[0].cost,
                 share=one.share,
             )

@@ -45,13 +45,13 @@ def aligned_matches(
     """Places of the source's proxy under one alignment; confidence is the probability that they are right.
 
     A sample that section 8 pairs with a sample near its place is voted, and so are the points of the proxy that are
-    nearest to it; other places are recovered: they follow from all others. All probabilities are multiplied by the
-    factor.
+    nearest to it; other places are recovered: they follow from all others. Confidence is the probability of a place,
+    were the alignment right, times that of the alignment and the factor.
     """
     registration = alignment.registered(source, target, parameters.alignment)
     distances = distances_to_images(source, target, registration)
     confidence = parameters.alignment.registration.confidence
-    probability = factor * match_probabilities(source, target, registration, distances, confidence)
+    probability = match_probabilities(source, target, registration, distances, confidence)
     scale = target.scale
     points = closest_points(
         target.mesh.vertices / scale, target.mesh.faces, registration.positions / scale, registration.image
@@ -61,7 +61,10 @@ def aligned_matches(
     radius = settings.recovery_radius or MatchSettings.recovery_radius
     voted[pairs[:, 0]] = distances[pairs[:, 0], pairs[:, 1]] <= radius * target.diameter
     voted = voted[source.proxy_distances.argmin(axis=0)]
-    return _reported(source, target, source.proxy, points, probability, voted, settings, source.proxy_geodesics)
+    factor *= alignment.probability
+    return _reported(
+        source, target, source.proxy, points, probability, voted, settings, factor, distances=source.proxy_geodesics
+    )
 
 
 def part_matches(source: Surface, target: Surface, part: PartMatch, settings: MatchSettings) -> dict[str, Any]:
@@ -78,15 +81,19 @@ def _reported(
     probability: np.ndarray,
     voted: np.ndarray,
     settings: MatchSettings,
+    factor: float = 1.0,
     distances: np.ndarray | None = None,
 ) -> dict[str, Any]:
     """The likely ones among the places of source vertices (q,), the most confident first, no target vertex twice.
 
+    Confidence is the probability times the factor. By default the probability alone decides on what is reported, so
+    that a doubtful alignment can be looked at.
     With distances (q, q) between the vertices per sqrt(area), those that are not samples keep the spacing from all
     samples and from each other; the more confident one stays.
     """
-    threshold = LEAST_PROBABILITY if settings.threshold is None else settings.threshold
-    kept = np.flatnonzero((probability >= threshold) & (voted | (settings.recovery_radius > 0)))
+    confidence = factor * probability
+    likely = probability >= LEAST_PROBABILITY if settings.threshold is None else confidence >= settings.threshold
+    kept = np.flatnonzero(likely & (voted | (settings.recovery_radius > 0)))
     kept = kept[np.argsort(-probability[kept], kind="stable")]
     # Vertices of a cut, or of an envelope, can have one number in the user's mesh.
     kept = kept[np.sort(np.unique(source.mesh.vertex_ids[here[kept]], return_index=True)[1])]
@@ -101,7 +108,7 @@ def _reported(
     kept, there = kept[first], points[first]
     return {
         "pairs": np.stack([source.mesh.vertex_ids[here[kept]], mesh.vertex_ids[there.nearest]], axis=1),
-        "confidence": probability[kept],
+        "confidence": confidence[kept],
         "kind": np.where(voted, "voted", "recovered")[kept],
         "target_points": SurfacePoints(mesh.face_ids[there.faces], mesh.vertex_ids[there.corners], there.barycentric),
     }

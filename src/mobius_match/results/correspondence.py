@@ -39,7 +39,8 @@ class Correspondence:
         (Q, 2) int64: vertex of the source and vertex of the target, numbers from 0 of the user's own meshes.
     confidence
         (Q,) float64 in [0, 1], not increasing: the chance that the match lies within 5 % of the target's diameter of
-        its true place; with uniform proposals the paper's share of the votes.
+        its true place. It is the chance if the alignment is right, times ``probability``. With uniform proposals the
+        paper's share of the votes.
     kind
         (Q,) str: ``"voted"``, or ``"recovered"`` for a pair that has few votes or none, and that follows from the other
         pairs (section 8).
@@ -61,6 +62,9 @@ class Correspondence:
         were evaluated and voted.
     warnings
         Notes on the meshes and on doubts about the match, one line each.
+    probability
+        The chance, in [0, 1], that the alignment is right; of a part, the highest confidence. None with uniform
+        proposals, and for a file that has none.
     source, target
         The prepared surfaces; None for a result that was loaded from a file.
     votes
@@ -79,6 +83,7 @@ class Correspondence:
     software: dict[str, str] = field(default_factory=dict)
     diagnostics: dict[str, float] = field(default_factory=dict)
     warnings: tuple[str, ...] = ()
+    probability: float | None = None
     source: Surface | None = None
     target: Surface | None = None
     votes: Votes | None = None
@@ -174,6 +179,7 @@ class Correspondence:
             "version": VERSION,
             "source": self.source_info,
             "target": self.target_info,
+            "probability": self.probability,
             "correspondences": to_rows(self),
             "settings": self.settings,
             "timings": self.timings,
@@ -183,7 +189,13 @@ class Correspondence:
         }
         if alternatives:
             content["alternatives"] = [
-                {"margin": one.margin, "share": one.share, "correspondences": to_rows(one)} for one in self.alternatives
+                {
+                    "margin": one.margin,
+                    "share": one.share,
+                    **({} if np.isnan(one.probability) else {"probability": one.probability}),
+                    "correspondences": to_rows(one),
+                }
+                for one in self.alternatives
             ]
         return content
 
@@ -294,6 +306,7 @@ class Correspondence:
                 software=dict(content["software"]),
                 diagnostics=dict(content.get("diagnostics", {})),
                 warnings=tuple(content.get("warnings", ())),
+                probability=_optional(content.get("probability")),
                 _make_alternatives=partial(tuple, [_alternative(one) for one in content.get("alternatives", ())]),
             )
         except (KeyError, TypeError, ValueError, OverflowError) as error:
@@ -301,5 +314,10 @@ class Correspondence:
 
 
 def _alternative(content: dict[str, Any]) -> Alternative:
-    margin, share = float(content["margin"]), float(content["share"])
-    return Alternative(**from_rows(content["correspondences"]), margin=margin, share=share)
+    margin, share, probability = float(content["margin"]), float(content["share"]), content.get("probability", "nan")
+    rows = from_rows(content["correspondences"])
+    return Alternative(**rows, margin=margin, share=share, probability=float(probability))
+
+
+def _optional(value: Any) -> float | None:
+    return None if value is None else float(value)

@@ -47,9 +47,12 @@ class Alternative:
     pairs, confidence, kind
         As in :class:`Correspondence`.
     margin
-        The cost of this alignment minus the cost of the chosen one, without unit. Below 0.3 the two are close.
+        The cost of this alignment minus the cost of the chosen one, without unit; negative where the evidence was for
+        the one of higher cost.
     share
         The share of the best triplets, 0 to 1, that agree with this alignment.
+    probability
+        That this alignment is the right one; 0 if it was ruled out by its cost. NaN in files that have none.
     target_points, given
         As in :class:`Correspondence`.
     """
@@ -59,6 +62,7 @@ class Alternative:
     kind: np.ndarray
     margin: float
     share: float
+    probability: float = float("nan")
     target_points: SurfacePoints | None = None
     given: np.ndarray | None = None
 
@@ -66,7 +70,7 @@ class Alternative:
         return len(self.pairs)
 
     def __repr__(self) -> str:
-        return f"<Alternative: {len(self)} pairs, margin {self.margin:.2f}, {self.share:.0%} of the best triplets>"
+        return f"<Alternative: {len(self)} pairs, probability {self.probability:.2f}>"
 
 
 def to_rows(matches: Matches) -> list[dict[str, Any]]:

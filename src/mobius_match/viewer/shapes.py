@@ -114,12 +114,9 @@ def name_of(info: dict[str, Any]) -> str:
 
 def content(result: Correspondence, sides: list[Side], radius: float) -> dict[str, Any]:
     """The shapes and the matches of all alignments, as JSON-able values."""
-    alignments = [_alignment(result, "Best", "", sides)]
+    alignments = [_alignment(result, "Best", _chance(result.probability), sides)]
     for k, alternative in enumerate(result.alternatives, start=1):
-        note = (
-            f"Its cost is {alternative.margin:.2f} higher than that of the best alignment (below 0.3 is close); "
-            f"{alternative.share:.0%} of the best triplets support it."
-        )
+        note = f"{_chance(alternative.probability)}{alternative.share:.0%} of the best triplets support it."
         alignments.append(_alignment(alternative, f"Alternative {k}", note, sides))
     infos = (result.source_info, result.target_info)
     return {
@@ -130,6 +127,13 @@ def content(result: Correspondence, sides: list[Side], radius: float) -> dict[st
         "elevation": float(ELEVATION),
         "radius": radius,
     }
+
+
+def _chance(probability: float | None) -> str:
+    """What the page says about the probability of an alignment."""
+    if probability is None or np.isnan(probability):
+        return ""
+    return f"It is the right alignment with a probability of {probability:.2f}. "
 
 
 def _side(side: Side, name: str) -> dict[str, Any]:

@@ -19,7 +19,7 @@ from threadpoolctl import threadpool_limits
 from ..._core.threads import Progress
 from ..._core.versions import software
 from ...alignments.alignment import Alignment
-from ...alignments.candidates import candidate_alignments
+from ...alignments.candidates import Candidates
 from ...alignments.parameters import AlignmentParameters
 from ...errors import NothingFoundError
 from ...geometry.geodesics import geodesic_solver
@@ -109,7 +109,7 @@ def symmetry(
     # One BLAS thread: sums must not depend on the number of processors.
     with threadpool_limits(limits=1, user_api="blas"):
         mirrored = replace(surface, positions=surface.positions.conj())
-        found = candidate_alignments(surface, mirrored, votes, alignment, with_extremities=False)
+        found = Candidates(surface, mirrored, alignment).voted(votes, discs=False)
         pairs, confidence, stationary, score = _pairs(surface, votes, found, parameters)
     timings |= {"pairs": time.perf_counter() - begin, "total": time.perf_counter() - start}
     numbers = surface.mesh.vertex_ids
