@@ -7,12 +7,11 @@ import pytest
 
 import mobius_match as mm
 from mobius_match.alignments.alignment import Alignment, register_iteratively
-from mobius_match.alignments.candidates import candidate_alignments, distinct_alignments
+from mobius_match.alignments.candidates import Candidates, distinct_alignments
 from mobius_match.alignments.clusters import agreed_matches, cluster_triplets, most_consistent_half
 from mobius_match.alignments.coarse_map import coarse_map, quick_image, refined_targets
 from mobius_match.alignments.cost import cost_terms, total_cost
 from mobius_match.alignments.parameters import AlignmentParameters, CostWeights
-from mobius_match.alignments.selection import ambiguity_warnings, rerank_by_registration
 from mobius_match.landmarks.constraints import landmark_constraints
 from mobius_match.settings import MatchSettings
 from mobius_match.voting.votes import cast_votes
@@ -114,7 +113,7 @@ def test_targets_are_refined_beyond_the_samples():
     shape = lump(4)
     copy, new = renumbered(shape)
     source, target = mm.prepare(shape), mm.prepare(copy)
-    found = candidate_alignments(source, target, cast_votes(source, target, MatchSettings()), PARAMETERS)
+    found = Candidates(source, target, PARAMETERS).voted(cast_votes(source, target, MatchSettings()))
     vertices = np.arange(0, len(shape[0]), 5)
     targets = refined_targets(source, target, found[0].image, vertices, PARAMETERS.coarse_map)
     error = np.linalg.norm(copy[0][targets] - shape[0][vertices], axis=1)
@@ -135,28 +134,30 @@ def test_the_person_is_not_matched_with_its_mirror_image(shipped_match, seed):
     assert np.mean(error < 0.05) > 0.95
 
 
-def test_alternatives_are_sorted_by_how_much_more_they_cost(shipped_match):
-    margins = [one.margin for one in shipped_match("person").alternatives]
-    assert len(margins) > 0
-    assert min(margins) > 0
-    assert margins == sorted(margins)
+def test_alternatives_are_sorted_by_their_probability(shipped_match):
+    result = shipped_match("person")
+    chances = [result.probability, *(one.probability for one in result.alternatives)]
+    assert len(chances) > 1
+    assert chances == sorted(chances, reverse=True)
+    assert sum(chances) <= 1
 
 
-def test_extremities_give_the_right_alignment_where_all_drawn_triplets_are_wrong(person):
+def test_extremities_and_motions_give_the_right_alignment_where_all_drawn_triplets_are_wrong(person):
     """Votes that send every sample to a random one."""
     source, target = person
-    votes = cast_votes(source, target, MatchSettings())
-    right = candidate_alignments(source, target, votes, PARAMETERS)[0]
+    candidates, votes = Candidates(source, target, PARAMETERS), cast_votes(source, target, MatchSettings())
+    right = candidates.voted(votes)[0]
     generator = np.random.default_rng(0)
-    wrong = np.array([generator.permutation(len(target.samples))[:3] for _ in votes.triplet_weights])
-    always = replace(PARAMETERS, selection=replace(SELECTION, different_above=0.0))  # as where shapes differ
-    found = candidate_alignments(source, target, replace(votes, best_target=wrong), always)
+    random = np.array([generator.permutation(len(target.samples))[:3] for _ in votes.triplet_weights])
+    wrong = candidates.voted(replace(votes, best_target=random))
+    found = candidates.further(wrong)
     places = target.mesh.vertices / np.ptp(target.mesh.vertices, axis=0).max()
     apart = [np.linalg.norm(places[one.image] - places[right.image], axis=1).mean() for one in found]
     assert apart[0] < 0.03
     assert found[0].share == 0
     assert [one.cost for one in found] == sorted(one.cost for one in found)
     assert min(apart[1:]) > 0.05, "no alignment is listed twice"
+    assert candidates.further(found) == [], "those that are known are not found again"
 
 
 def test_of_equal_alignments_the_cheapest_is_kept_with_the_largest_share(surface):
@@ -191,68 +192,7 @@ def test_iterative_registration_corrects_a_poor_map():
     assert error(iterated) < 0.02
 
 
-def test_shapes_that_differ_are_registered_iteratively():
-    surface = mm.prepare(lump(3))
-    rough = Alignment(np.roll(surface.proxy, 3), {}, SELECTION.different_above + 1, 1.0)
-    (differing,) = rerank_by_registration(surface, surface, [rough], PARAMETERS)
-    expected = register_iteratively(surface, surface, replace(rough, shapes_differ=True), PARAMETERS)
-    np.testing.assert_array_equal(differing.registration.positions, expected.positions)
-    assert differing.shapes_differ
-    assert register_iteratively(surface, surface, differing, PARAMETERS) is differing.registration
-    similar = replace(rough, cost=SELECTION.different_above - 1)
-    (similar,) = rerank_by_registration(surface, surface, [similar], PARAMETERS)
-    assert not similar.shapes_differ
-
-
 def test_uniform_votes_have_no_alternatives():
     result = mm.match(lump(2), lump(2), preset="paper", votes=2000, samples=20)
     assert result.alternatives == ()
     assert len(result.votes.triplet_weights) == 0
-
-
-def test_contenders_are_ranked_again_by_their_strain(surface):
-    """A map to places that are mixed up locally strains the source: it loses, though it cost a little less before."""
-    generator = np.random.default_rng(0)
-    vertices = surface.mesh.vertices[surface.proxy]
-    near = np.linalg.norm(vertices[:, None] - vertices, axis=2).argsort(axis=1)[:, :60]
-    mixed = surface.proxy[near[np.arange(len(near)), generator.integers(60, size=len(near))]]
-    turned = surface.proxy[np.linalg.norm(vertices[:, None] + vertices, axis=2).argmin(axis=1)]
-    right = Alignment(surface.proxy, {}, 1.1, 0.4)
-    rivals = [Alignment(turned, {}, 1.0, 0.5), right, Alignment(mixed, {}, 3.5, 0.1)]
-    ranked = rerank_by_registration(surface, surface, rivals, PARAMETERS)
-    assert ranked[0].image is right.image
-    assert ranked[0].cost_terms["strain"] < ranked[1].cost_terms["strain"]
-    assert ranked[0].registration is ranked[0].registered(surface, surface, PARAMETERS)
-    assert ranked[2] is rivals[2], "costs too much to be registered"
-    alone = rerank_by_registration(surface, surface, [right], PARAMETERS)[0]
-    assert (alone.cost, alone.image is right.image) == (right.cost, True)
-    assert rerank_by_registration(surface, surface, [], PARAMETERS) == []
-
-
-def test_contenders_are_registered_coarsely_and_fully(surface, monkeypatch):
-    """Both strains weigh half. What is hopeless after the coarse one gets no full one; the winner keeps its own."""
-    right = Alignment(surface.proxy, {}, 0.0, 1.0)
-    rivals = [right, *(replace(right, image=np.roll(surface.proxy, i), cost=0.1) for i in (5, 9))]
-    strains = iter([2.0, 3.5, 6.0, 20.0, 30.0])
-    monkeypatch.setattr("mobius_match.alignments.selection.register_coarsely", lambda *_: "coarse")
-    monkeypatch.setattr(
-        "mobius_match.alignments.selection.strain", lambda *given: calls.append(given[2]) or next(strains)
-    )
-    calls = []
-    ranked = rerank_by_registration(surface, surface, rivals, PARAMETERS)
-    assert [one == "coarse" for one in calls] == [True, True, True, False, False]
-    assert [one.cost_terms["strain"] for one in ranked] == [0, 6 - 2, (3.5 - 2 + 30 - 20) / 2]
-    assert ranked[0].image is right.image
-    assert ranked[0].registration is calls[3]
-
-
-def test_a_close_choice_and_landmarks_that_fit_nowhere_are_warned_of(surface):
-    best = Alignment(surface.proxy, {}, 1.0, 0.5)
-    close = SELECTION.ambiguous_margin
-    near, far = replace(best, cost=1.0 + 0.9 * close), replace(best, cost=1.0 + 1.1 * close)
-    for clear in ([], [best], [best, far]):
-        assert ambiguity_warnings(clear, PARAMETERS) == []
-    (warning,) = ambiguity_warnings([best, near, far], PARAMETERS)
-    assert f"margin {0.9 * close:.2f}" in warning
-    (warning,) = ambiguity_warnings([replace(best, cost_terms={"landmarks": 0.2}), near], PARAMETERS)
-    assert "landmarks agree with none" in warning

@@ -1,4 +1,4 @@
-"""What motions and units do to a registration: it moves with them, and its strain stays."""
+"""What motions and units do to a registration: it moves with them, and lengths of edges scale."""
 
 from dataclasses import replace
 
@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 import mobius_match as mm
 from mobius_match.registration.parameters import RegistrationParameters
 from mobius_match.registration.sparse import register
-from mobius_match.registration.strain import edge_stretches, strain
+from mobius_match.registration.strain import edge_stretches
 from tests.shapes import lump, rotation
 
 PARAMETERS = RegistrationParameters()
@@ -68,16 +68,6 @@ def test_a_registration_moves_with_the_target(registered, motion):
     assert np.mean(found.image == expected.image) > 0.99
     np.testing.assert_allclose(found.positions, moved(expected.positions, motion), atol=1e-3 * np.sqrt(there.area))
     np.testing.assert_allclose(found.residual, expected.residual, atol=1e-3)
-
-
-@given(motion=motions, other=motions)
-def test_strain_does_not_change_with_motions_and_units(registered, motion, other):
-    source, target, _, registration = registered
-    here, there = moved_surface(source, motion), moved_surface(target, other)
-    followed = replace(registration, positions=moved(registration.positions, other))
-    assert strain(here, there, followed, PARAMETERS) == pytest.approx(
-        strain(source, target, registration, PARAMETERS), rel=1e-6
-    )
 
 
 @given(factor=st.floats(0.1, 10))

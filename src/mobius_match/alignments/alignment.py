@@ -14,7 +14,7 @@ from ..registration.parameters import FeatureWeights
 from ..registration.sparse import Registration, is_discontinuous, register
 from ..surface.surface import Surface
 from .coarse_map import balanced_targets, refined_targets
-from .cost import registration_cost
+from .evidence import evidence, log_odds
 from .parameters import AlignmentParameters, Evidence
 
 by_cost = attrgetter("cost")
@@ -99,16 +99,17 @@ class Alignment:
             jobs,
             None,
         )
-        return cheapest(source, target, registrations, parameters)
+        return likeliest(source, target, registrations, parameters)
 
 
-def cheapest(
+def likeliest(
     source: Surface, target: Surface, registrations: list[Registration], parameters: AlignmentParameters
 ) -> Registration:
-    """The registration of least cost."""
+    """The registration that the evidence is for."""
     if len(registrations) == 1:
         return registrations[0]
-    return min(registrations, key=lambda one: registration_cost(source, target, one, parameters))
+    found = [evidence(source, target, one, parameters.cost, parameters.choice) for one in registrations]
+    return registrations[int(log_odds(found, parameters.choice).argmax())]
 
 
 def register_iteratively(
@@ -133,7 +134,7 @@ def register_iteratively(
         registrations.append(
             register(source, target, image, parameters.registration, weights=weights, constraints=alignment.constraints)
         )
-    # Where shapes differ, the registration of least strain is not the right one.
-    best = registrations[-1] if alignment.shapes_differ else cheapest(source, target, registrations, parameters)
+    # Where shapes differ, the registration that strains least is not the right one.
+    best = registrations[-1] if alignment.shapes_differ else likeliest(source, target, registrations, parameters)
     positions = [best.positions, *(one.positions for one in registrations[1:] or registrations)]
     return replace(best, positions=np.median(positions, axis=0))

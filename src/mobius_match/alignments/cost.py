@@ -11,9 +11,8 @@ import numpy as np
 from ..geometry.curvature import rank_correlation
 from ..geometry.spectral import functional_map
 from ..registration.sparse import Registration
-from ..registration.strain import strain
 from ..surface.surface import Surface
-from .parameters import AlignmentParameters, CostParameters, CostWeights
+from .parameters import CostParameters, CostWeights
 
 
 def cost_terms(
@@ -55,11 +54,3 @@ def registered_map_cost(
     """The cost of the map that a registration ends with."""
     terms = cost_terms(source, target, target.nearest_proxy[registration.image], parameters)
     return total_cost(terms, parameters.weights)
-
-
-def registration_cost(
-    source: Surface, target: Surface, registration: Registration, parameters: AlignmentParameters
-) -> float:
-    """The cost of one registration, to be compared with another one of the same surfaces: its strain and its map's."""
-    of_map = registered_map_cost(source, target, registration, parameters.cost)
-    return strain(source, target, registration, parameters.registration) + of_map

@@ -61,6 +61,11 @@ def evidence(
     )
 
 
+def log_odds(terms: list[Evidence[float]], parameters: ChoiceParameters) -> np.ndarray:
+    """The score (c,) of each alignment: the logarithm of the odds that it, and not none of them, is right."""
+    return np.array([one.values() for one in terms]) @ parameters.weights.values() + parameters.offset
+
+
 def _carried_functions(
     source: Surface, target: Surface, forth: np.ndarray, back: np.ndarray, time: float
 ) -> tuple[float, float]:

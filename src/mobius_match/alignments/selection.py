@@ -7,10 +7,11 @@ from dataclasses import replace
 import numpy as np
 
 from .._core.threads import Progress, map_threads
+from ..settings import LEAST_ALIGNMENT_PROBABILITY
 from .alignment import Alignment, by_cost, register_iteratively
 from .candidates import Candidates
-from .evidence import evidence
-from .parameters import AlignmentParameters, ChoiceParameters, Evidence
+from .evidence import evidence, log_odds
+from .parameters import AlignmentParameters
 
 
 def choose_alignment(candidates: Candidates, found: list[Alignment]) -> list[Alignment]:
@@ -77,11 +78,6 @@ def with_probabilities(alignments: list[Alignment], parameters: AlignmentParamet
     return [replace(alignments[i], probability=float(chances[i])) for i in np.argsort(-chances, kind="stable")]
 
 
-def log_odds(terms: list[Evidence[float]], parameters: ChoiceParameters) -> np.ndarray:
-    """The score (c,) of each alignment: the logarithm of the odds that it, and not none of them, is right."""
-    return np.array([one.values() for one in terms]) @ parameters.weights.values() + parameters.offset
-
-
 def probabilities(scores: np.ndarray) -> np.ndarray:
     """The probability (c,) that each alignment is the right one, from the scores (c,).
 
@@ -99,16 +95,18 @@ def choice_warnings(alignments: list[Alignment], parameters: AlignmentParameters
     if alignments[0].cost_terms.get("landmarks"):
         return ["the landmarks agree with none of the alignments found. Check the landmarks, and the matches"]
     first, *others = (one.probability for one in alignments)
+    second = max(others, default=0.0)
     if first >= parameters.selection.doubted_below:
         return []
-    second = max(others, default=0.0)
+    if first < LEAST_ALIGNMENT_PROBABILITY:
+        return [f"the two shapes may not belong together: no alignment is likely (probability {first:.2f})"]
     if second >= first / 2:
         return [
-            f"ambiguous: a second alignment (often left/right or front/back swapped) is almost as likely (probability "
+            "ambiguous: a second alignment (often left/right or front/back swapped) is almost as likely (probability "
             f"{first:.2f} and {second:.2f}). Look at the matches and at the alternatives, or give one known pair as "
             "`landmarks`"
         ]
     return [
-        f"doubtful: the alignment is right with a probability of {first:.2f} only. The shapes may have too little in "
-        "common; look at the matches, or give known pairs as `landmarks`"
+        f"doubtful: the alignment is right with a probability of {first:.2f} only. Look at the matches, or give known "
+        "pairs as `landmarks`"
     ]

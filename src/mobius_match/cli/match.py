@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from typer import Argument, Option
 
-from ..settings import make_settings
-from .common import Reporter, say
+from ..settings import LEAST_ALIGNMENT_PROBABILITY, make_settings
+from .common import NOTHING_FOUND, Reporter, say
 from .config import given_settings
 from .options import (
     Config,
@@ -144,7 +144,8 @@ def match(
     """Find corresponding vertices of two meshes.
 
     Prints the most confident matches as a table (with --json or '-o -' all matches as JSON). Vertices are numbered
-    from 0, in the order of the files.
+    from 0, in the order of the files. The exit code is 4 if the shapes hardly belong together; what was asked for is
+    written all the same.
     """
     settings = given_settings(
         config,
@@ -193,6 +194,8 @@ def match(
         write(STDOUT, to_json(result.to_dict(alternatives=alternatives)))
     elif output is None and dense is None:
         print_table(_table(result))
+    if result.probability is not None and result.probability < LEAST_ALIGNMENT_PROBABILITY:
+        raise SystemExit(NOTHING_FOUND)
 
 
 def run_match(

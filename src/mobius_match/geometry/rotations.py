@@ -33,7 +33,8 @@ def rigid_residual(first: np.ndarray, second: np.ndarray) -> float:
     first, second = first - first.mean(axis=0), second - second.mean(axis=0)
     left, sizes, right = np.linalg.svd(first.T @ second)
     sizes[2] *= np.sign(np.linalg.det(left @ right))  # a reflection is no motion
-    return float(1 - sizes.sum() ** 2 / max((first**2).sum() * (second**2).sum(), np.finfo(float).tiny))
+    explained = max(sizes.sum(), 0.0) ** 2 / max((first**2).sum() * (second**2).sum(), np.finfo(float).tiny)
+    return float(max(1 - explained, 0.0))  # round-off can explain too much
 
 
 @jit

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Generic, TypeVar
 
 from .._core.parameters import AREA, HAND, parameter
@@ -120,12 +120,6 @@ class RegistrationParameters:
     discontinuity: float = parameter(
         0.07, "the map is discontinuous where an edge's image is longer than the edge by this", unit=AREA, origin=HAND
     )
-    strain_weights: tuple[float, float] = parameter(
-        (16.0, 2.0), "weights of the logarithms of mean stretch and of mean normal deviation", origin=HAND
-    )
-    strain_floor: float = parameter(
-        0.001, "added to the two before the logarithm", origin="far below what good matches have; changes no result"
-    )
     part_distance: float = parameter(
         0.03, "a point of the whole within this distance of the deformed part belongs to it", unit=AREA, origin=HAND
     )
@@ -140,11 +134,6 @@ class RegistrationParameters:
     def full(self) -> Schedule:
         """Of a full registration, sparse or dense."""
         return self.schedule(self.n_weights, self.rounds)
-
-    @property
-    def coarse(self) -> Schedule:
-        """Where candidates are compared: one search a weight, and one more weight, which turns misfits into strain."""
-        return self.schedule(self.n_weights + 1, 1)
 
     @property
     def part(self) -> Schedule:
@@ -165,11 +154,6 @@ class RegistrationParameters:
         """Weights of features where the shapes are similar, or where they differ and descriptors tell less."""
         kind = int(shapes_differ)
         return FeatureWeights(self.normal, self.spectral, self.descriptor[kind], self.curvature[kind])
-
-    @property
-    def compared(self) -> FeatureWeights:
-        """Where candidates are compared: curvatures would pull a wrong one into shape."""
-        return replace(self.features(False), curvature=0.0)
 
     @property
     def partial(self) -> FeatureWeights:

@@ -136,18 +136,6 @@ def register(
     )
 
 
-def register_coarsely(
-    source: Surface,
-    target: Surface,
-    image: np.ndarray,
-    parameters: RegistrationParameters,
-    constraints: LandmarkConstraints | None = None,
-) -> Registration:
-    """:func:`register` in a fraction of the time: good enough to see which of several initial maps is right."""
-    schedule, weights = parameters.coarse, parameters.compared
-    return register(source, target, image, parameters, schedule=schedule, weights=weights, constraints=constraints)
-
-
 def is_discontinuous(source: Surface, target: Surface, image: np.ndarray, tolerance: float) -> bool:
     """Whether a map of the source's proxy to target vertices (P1,) tears pieces off; tolerance per sqrt(area)."""
     images = target.mesh.vertices[image] / target.scale

@@ -1,11 +1,10 @@
-"""How much a registration strains the source: what tells a right alignment from a wrong one that fits as closely."""
+"""How much a registration stretches the source."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from ..surface.surface import Surface
-from .parameters import RegistrationParameters
 from .sparse import Registration
 
 NO_LENGTH = 1e-6
@@ -31,15 +30,3 @@ def edge_strain(source: Surface, target: Surface, registration: Registration) ->
     number = np.maximum(np.bincount(source.proxy_edges.ravel(), minlength=len(source.proxy)), 1)
     sums = [np.bincount(ends, stretches, len(source.proxy)) for ends in source.proxy_edges.T]
     return np.asarray(sum(sums) / number)
-
-
-def strain(source: Surface, target: Surface, registration: Registration, parameters: RegistrationParameters) -> float:
-    """The strain of a registration, to be compared with that of another one of the same surfaces.
-
-    A weighted sum of the logarithms of the mean stretch and of the mean normal deviation.
-    """
-    terms = mean_stretch(source, target, registration), float(registration.normal_deviation.mean())
-    return sum(
-        weight * float(np.log(term + parameters.strain_floor))
-        for weight, term in zip(parameters.strain_weights, terms, strict=True)
-    )
