@@ -10,7 +10,7 @@ together: of those every alignment is wrong. It takes about five seconds a pair.
 ``fit`` prints the weights and the offset, which stand in `ChoiceParameters`, and for each kind how a model does that
 was fitted on the others: pairs whose most probable alignment is wrong, those among them for which a right one was
 there, those that were given a probability above the one that warns, and the mean negative logarithm of the probability
-of what is the case. An alignment is right where its mean error is at most 0.15 sqrt(area). Pairs of a kind share a
+of what is the case. An alignment is right where its mean error is at most 0.15 sqrt(area) and at most 0.03 more than that of another one. Pairs of a kind share a
 weight of the square root of their number.
 """
 
@@ -39,7 +39,10 @@ from mobius_match.surface.surface import Surface
 from mobius_match.voting.votes import cast_votes
 
 RIGHT = 0.15
-"""Mean error per sqrt(area) up to which an alignment is right."""
+"""Mean error per sqrt(area) up to which an alignment is right as a whole."""
+
+AS_GOOD = 0.03
+"""An alignment is wrong, too, if another one of the pair has a mean error smaller by this: two limbs are exchanged."""
 
 RIDGE = 1e-3
 """Penalty of the squared weights of standardised terms, per pair."""
@@ -158,13 +161,18 @@ def fitted(terms: list[np.ndarray], right: list[np.ndarray], weights: list[float
     return np.append(slopes, found[-1] - slopes @ middle)
 
 
+def is_right(errors: np.ndarray) -> np.ndarray:
+    """Which alignments (c,) of a pair are right, from their errors."""
+    return (errors <= RIGHT) & (errors <= errors.min(initial=np.inf) + AS_GOOD)
+
+
 def summary(found: list[tuple[np.ndarray, np.ndarray]], warned_below: float) -> str:
     """Cells of a table for pairs: the chances of their alignments and their errors."""
     best = np.array([errors[chances.argmax()] for chances, errors in found])
     least = np.array([errors.min() for _, errors in found])
     sure = np.array([chances.max() >= warned_below for chances, _ in found])
     truths = [
-        chances[errors <= RIGHT].sum() if (errors <= RIGHT).any() else 1 - chances.sum() for chances, errors in found
+        chances[is_right(errors)].sum() if is_right(errors).any() else 1 - chances.sum() for chances, errors in found
     ]
     wrong, related = best > RIGHT, np.isfinite(least)
     mean = f"{best[related].mean():.3f}" if related.any() else ""
@@ -186,7 +194,7 @@ def fit(options: argparse.Namespace) -> None:
     chosen = [TERMS.index(name) for name in TERMS if name not in options.without]
     columns = [one[2][:, chosen] for one in pairs]
     kinds = np.array([one[0] for one in pairs])
-    right = [one[3] <= RIGHT for one in pairs]
+    right = [is_right(one[3]) for one in pairs]
     weights = [float((kinds == one[0]).sum()) ** -0.5 for one in pairs]
     warned = Parameters().alignment.selection.doubted_below
     everything: list[tuple[np.ndarray, np.ndarray]] = []

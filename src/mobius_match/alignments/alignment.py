@@ -42,7 +42,9 @@ class Alignment:
     constraints
         Landmarks, for registration.
     probability
-        That it is right; 0 if it was not registered for the choice.
+        That it is right, or one of its order; 0 if it was not registered for the choice.
+    order
+        How many alignments look the same, this one among them, by a symmetry of the shapes; 1 if it is alone.
     evidence
         What that comes from; None if it was not registered for the choice.
     """
@@ -55,6 +57,7 @@ class Alignment:
     shapes_differ: bool = False
     constraints: LandmarkConstraints | None = None
     probability: float = 0.0
+    order: int = 1
     evidence: Evidence[float] | None = None
 
     def __repr__(self) -> str:

@@ -87,8 +87,7 @@ def _carried_functions(
 
 def _unexplained(basis: np.ndarray, functions: np.ndarray) -> float:
     """Share of the variance of functions (p, k) that a basis (p, l) does not explain."""
-    orthonormal = np.linalg.qr(basis)[0]
-    rest = functions - orthonormal @ (orthonormal.T @ functions)
+    rest = functions - basis @ functional_map(basis, functions)
     return float((rest**2).sum() / ((functions - functions.mean(axis=0)) ** 2).sum())
 
 

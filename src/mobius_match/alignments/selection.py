@@ -5,11 +5,13 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+import scipy
 
 from .._core.threads import Progress, map_threads
 from ..settings import LEAST_ALIGNMENT_PROBABILITY
 from .alignment import Alignment, by_cost, register_iteratively
 from .candidates import Candidates
+from .cost import cost_terms, total_cost
 from .evidence import evidence, log_odds
 from .parameters import AlignmentParameters
 
@@ -37,6 +39,8 @@ def choose_alignment(candidates: Candidates, found: list[Alignment]) -> list[Ali
     if not rivals:
         return []
     chosen, *others = rivals
+    same = equivalent(candidates, chosen, others)
+    chosen = replace(chosen, probability=chosen.probability + sum(one.probability for one in same), order=1 + len(same))
     if differ:
         # What was registered once is where the repetition starts.
         once, chosen = chosen.registration, replace(chosen, registration=None)
@@ -65,6 +69,26 @@ def _registered(
 
     registered = map_threads(with_evidence, len(rivals), candidates.jobs, None)
     return with_probabilities(registered, parameters), found[len(rivals) :]
+
+
+def equivalent(candidates: Candidates, chosen: Alignment, others: list[Alignment]) -> list[Alignment]:
+    """The alignments that differ from the chosen one by a symmetry of the source, by which all are as right as it.
+
+    Such a one is about as likely as the chosen one, and takes the source to itself, forth by the one and back by the
+    other, as to a shape in another pose at most.
+    """
+    source, parameters = candidates.source, candidates.parameters
+    if chosen.registration is None:
+        return []
+    back = scipy.spatial.cKDTree(chosen.registration.positions)
+    found = []
+    for one in others:
+        if one.registration is not None and one.probability >= chosen.probability / 2:
+            onto_itself = back.query(one.registration.positions)[1]
+            terms = cost_terms(source, source, onto_itself, parameters.cost)
+            if total_cost(terms, parameters.cost.weights) <= parameters.selection.different_above:
+                found.append(one)
+    return found
 
 
 def with_probabilities(alignments: list[Alignment], parameters: AlignmentParameters) -> list[Alignment]:
@@ -96,17 +120,21 @@ def choice_warnings(alignments: list[Alignment], parameters: AlignmentParameters
         return ["the landmarks agree with none of the alignments found. Check the landmarks, and the matches"]
     first, *others = (one.probability for one in alignments)
     second = max(others, default=0.0)
+    notes = []
+    if (order := alignments[0].order) > 1:
+        notes = [f"the shapes look the same in {order} alignments; the matches are right up to this symmetry"]
     if first >= parameters.selection.doubted_below:
-        return []
+        return notes
     if first < LEAST_ALIGNMENT_PROBABILITY:
         return [f"the two shapes may not belong together: no alignment is likely (probability {first:.2f})"]
-    if second >= first / 2:
+    if second >= first / 2 and not notes:
         return [
             "ambiguous: a second alignment (often left/right or front/back swapped) is almost as likely (probability "
             f"{first:.2f} and {second:.2f}). Look at the matches and at the alternatives, or give one known pair as "
             "`landmarks`"
         ]
     return [
+        *notes,
         f"doubtful: the alignment is right with a probability of {first:.2f} only. Look at the matches, or give known "
-        "pairs as `landmarks`"
+        "pairs as `landmarks`",
     ]

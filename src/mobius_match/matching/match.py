@@ -165,6 +165,7 @@ def match(
         _make_alternatives=partial(_alternatives, first, second, outcome, chosen, parameters),
         _make_dense=partial(_dense_map, first, second, outcome, chosen, parameters, constraints),
         probability=outcome.probability,
+        symmetry={"order": outcome.order} if outcome.order > 1 else None,
         source=first,
         target=second,
         votes=outcome.votes,
@@ -239,6 +240,11 @@ class Outcome:
         if self.part is not None:
             return float(self.part.match_probabilities.max(initial=0.0))
         return self.alignments[0].probability if self.alignments else None
+
+    @property
+    def order(self) -> int:
+        """How many alignments of wholes are equally right by a symmetry of the shapes."""
+        return self.alignments[0].order if self.alignments else 1
 
 
 def align(

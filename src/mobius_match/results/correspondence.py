@@ -63,8 +63,10 @@ class Correspondence:
     warnings
         Notes on the meshes and on doubts about the match, one line each.
     probability
-        The chance, in [0, 1], that the alignment is right; of a part, the highest confidence. None with uniform
-        proposals, and for a file that has none.
+        The chance, in [0, 1], that the alignment is right, up to the symmetry if there is one; of a part, the highest
+        confidence. None with uniform proposals, and for a file that has none.
+    symmetry
+        ``{"order": n}`` if n alignments look the same because the shapes are symmetric; else None.
     source, target
         The prepared surfaces; None for a result that was loaded from a file.
     votes
@@ -84,6 +86,7 @@ class Correspondence:
     diagnostics: dict[str, float] = field(default_factory=dict)
     warnings: tuple[str, ...] = ()
     probability: float | None = None
+    symmetry: dict[str, Any] | None = None
     source: Surface | None = None
     target: Surface | None = None
     votes: Votes | None = None
@@ -180,6 +183,7 @@ class Correspondence:
             "source": self.source_info,
             "target": self.target_info,
             "probability": self.probability,
+            **({} if self.symmetry is None else {"symmetry": self.symmetry}),
             "correspondences": to_rows(self),
             "settings": self.settings,
             "timings": self.timings,
@@ -307,6 +311,7 @@ class Correspondence:
                 diagnostics=dict(content.get("diagnostics", {})),
                 warnings=tuple(content.get("warnings", ())),
                 probability=_optional(content.get("probability")),
+                symmetry=content.get("symmetry"),
                 _make_alternatives=partial(tuple, [_alternative(one) for one in content.get("alternatives", ())]),
             )
         except (KeyError, TypeError, ValueError, OverflowError) as error:
