@@ -31,8 +31,9 @@ from mobius_match.alignments.evidence import evidence
 from mobius_match.alignments.parameters import Evidence
 from mobius_match.alignments.selection import probabilities
 from mobius_match.errors import MobiusError
-from mobius_match.evaluation import Truth, find_dataset
+from mobius_match.evaluation import Case, Truth, find_dataset
 from mobius_match.evaluation.scoring import repaired_vertices
+from mobius_match.evaluation.vertexlists import read_vertices
 from mobius_match.matching.parameters import Parameters
 from mobius_match.settings import MatchSettings
 from mobius_match.surface.surface import Surface
@@ -77,8 +78,17 @@ def mean_error(source: Surface, target: Surface, image: np.ndarray, truth: Truth
     return float(np.linalg.norm(gaps, axis=1).mean() / target.scale)
 
 
-def record(source: Path, target: Path, truth: Truth | None) -> tuple[np.ndarray, np.ndarray]:
-    """The evidence (c, terms) for the candidates of a pair, and their true errors (c,); infinite without a truth."""
+def truths_of(case: Case) -> list[Truth]:
+    """The known correspondence of a pair, and others that are as right: by turns that nearly are symmetries.
+
+    The lists of a family of shapes with such turns are ``corres/NAME.turnK.vts`` (see tools/README.md).
+    """
+    names = sorted((case.target.parent / "corres").glob(f"{case.target.stem}.turn*.vts"))
+    return [case.truth, *(replace(case.truth, target=read_vertices(name, 1)) for name in names)]
+
+
+def record(source: Path, target: Path, truths: list[Truth]) -> tuple[np.ndarray, np.ndarray]:
+    """The evidence (c, terms) for the candidates of a pair, and their true errors (c,), by the nearest truth; infinite without one."""
     parameters = Parameters()
     first, second = mm.prepare(source, cache=True), mm.prepare(target, cache=True)
     rows, errors = [], []
@@ -87,26 +97,26 @@ def record(source: Path, target: Path, truth: Truth | None) -> tuple[np.ndarray,
             registration = one.registered(first, second, parameters.alignment)
             found = evidence(first, second, registration, parameters.alignment.cost, parameters.alignment.choice)
             rows.append([*found.values(), one.cost])
-            errors.append(np.inf if truth is None else mean_error(first, second, registration.image, truth))
+            errors.append(min((mean_error(first, second, registration.image, one) for one in truths), default=np.inf))
     return np.array(rows).reshape(-1, len(TERMS) + 1), np.array(errors)
 
 
 def record_all(options: argparse.Namespace) -> None:
     """Record the pairs of all folders, and write the table."""
-    tasks: list[tuple[str, str, Path, Path, Truth | None]] = []
+    tasks: list[tuple[str, str, Path, Path, list[Truth]]] = []
     for folder in options.folders:
         for case in list(find_dataset(folder).cases)[:: options.every]:
             kind = f"{folder.name} {case.category}" if options.categories else folder.name
-            tasks.append((kind, case.name, case.source, case.target, case.truth))
+            tasks.append((kind, case.name, case.source, case.target, truths_of(case)))
     if options.unrelated:
         for line in options.unrelated.read_text().split("\n"):
             if line.strip():
                 one, two = (options.unrelated.parent / name for name in line.split()[:2])
-                tasks.append(("unrelated", f"{one.stem}-{two.stem}", one, two, None))
+                tasks.append(("unrelated", f"{one.stem}-{two.stem}", one, two, []))
     table: dict[str, list[np.ndarray]] = {name: [] for name in ("kind", "pair", "terms", "error")}
-    for kind, name, source, target, truth in tasks:
+    for kind, name, source, target, truths in tasks:
         try:
-            terms, errors = record(source, target, truth)
+            terms, errors = record(source, target, truths)
         except MobiusError as error:
             print(f"{kind} {name}: {error}", flush=True)
             continue
