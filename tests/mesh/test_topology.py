@@ -115,3 +115,10 @@ def test_large_meshes_get_the_same_from_kernels(kind, monkeypatch):
     for (number, labels), (same_number, same_labels) in zip(*found, strict=True):
         assert number == same_number
         np.testing.assert_array_equal(labels, same_labels)
+
+
+def test_edges_of_very_large_numbers():
+    faces = icosphere(1)[1]
+    plain, far = tp.edge_table(faces), tp.edge_table(faces + 2**31 - 50)
+    assert np.array_equal(far.edges - (2**31 - 50), plain.edges) and np.array_equal(far.order, plain.order)
+    assert np.array_equal(tp.boundary_edges(faces[1:]), tp.edges_of(faces[:1]))

@@ -61,7 +61,8 @@ def envelopes(mesh: Mesh, parameters: EnvelopeParameters = EnvelopeParameters())
         The constants of the method.
     """
     close, wide = (_envelope(mesh, offset, parameters.close / 2) for offset in (parameters.close, parameters.wide))
-    return [wide] if is_wild(close.mesh, parameters) or close.offset >= wide.offset else [close, wide]
+    too_close = is_wild(number_of_handles(close.mesh.faces), parameters) or close.offset >= wide.offset
+    return [wide] if too_close else [close, wide]
 
 
 def _envelope(mesh: Mesh, offset: float, step: float) -> Envelope:

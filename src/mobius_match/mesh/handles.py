@@ -45,12 +45,12 @@ def number_of_handles(faces: Ints, table: EdgeTable | None = None) -> int:
     return (2 - len(boundary_lengths(table)) - euler_characteristic(faces, table)) // 2
 
 
-def is_wild(mesh: Mesh, parameters: EnvelopeParameters = EnvelopeParameters()) -> bool:
-    """Whether a repaired mesh in one piece has so many handles that an envelope stands for it."""
-    return number_of_handles(mesh.faces) > parameters.most_handles
+def is_wild(handles: int, parameters: EnvelopeParameters = EnvelopeParameters()) -> bool:
+    """Whether so many handles are too many for samples, and an envelope stands for the surface."""
+    return handles > parameters.most_handles
 
 
-def handle_loops(mesh: Mesh) -> list[Ints]:
+def handle_loops(mesh: Mesh, number: int | None = None) -> list[Ints]:
     """Short loops around the handles of a surface, as many as it has; cut along all of them, it has none.
 
     By tree and cotree (Erickson and Whittlesey 2005) from several roots, then from roots on each loop until it gets no
@@ -60,6 +60,8 @@ def handle_loops(mesh: Mesh) -> list[Ints]:
     ----------
     mesh
         A connected, consistently oriented manifold in which every vertex is used.
+    number
+        Its :func:`number_of_handles`, if that is known.
 
     Returns
     -------
@@ -72,8 +74,8 @@ def handle_loops(mesh: Mesh) -> list[Ints]:
         If the mesh is too coarse for such loops.
     """
     faces, origin = mesh.faces, np.arange(len(mesh.vertices))
-    number, loops = number_of_handles(faces), list[Ints]()
-    unit = unit_box(mesh.vertices)
+    number = number_of_handles(faces) if number is None else number
+    loops, unit = list[Ints](), unit_box(mesh.vertices)
     while len(loops) < number:
         graph = Graph.of(unit[origin], faces)
         found = graph.separate_loops(number - len(loops)) or graph.touching_loop()

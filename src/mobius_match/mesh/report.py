@@ -93,10 +93,11 @@ def describe(mesh: Mesh) -> dict[str, Any]:
     reason, handles, notes = None, list[dict[str, Any]](), list(repaired.notes)
     try:
         require_matchable(repaired)
-        if is_wild(repaired):
-            notes.append(f"{number_of_handles(repaired.faces)} handles; an envelope will stand for the surface.")
+        number = number_of_handles(repaired.faces)
+        if is_wild(number):
+            notes.append(f"{number} handles; an envelope will stand for the surface.")
         else:
-            handles = _handles(repaired)
+            handles = _handles(repaired, number)
     except MeshError as error:
         reason = str(error)
     return {
@@ -170,11 +171,11 @@ def _shape(mesh: Mesh) -> dict[str, Any]:
     }
 
 
-def _handles(mesh: Mesh) -> list[dict[str, Any]]:
-    """The loops around the handles of a mesh that can be matched."""
+def _handles(mesh: Mesh, number: int) -> list[dict[str, Any]]:
+    """The loops around so many handles of a mesh that can be matched."""
     from .handles import handle_loops, loop_lengths
 
-    loops, scale = handle_loops(mesh), box_scale(mesh.vertices)
+    loops, scale = handle_loops(mesh, number), box_scale(mesh.vertices)
     return [
         {
             "vertices": mesh.vertex_ids[loop].tolist(),

@@ -56,15 +56,30 @@ class EdgeTable:
 
 def edge_table(faces: Ints) -> EdgeTable:
     """The edges of faces (m, 3), none of which names a vertex twice."""
-    tail, head = faces[:, [1, 2, 0]].ravel(), faces[:, [2, 0, 1]].ravel()
-    base = int(faces.max(initial=0)) + 1
-    key = np.minimum(tail, head) * base + np.maximum(tail, head)
-    order = np.argsort(key, kind="stable")
-    ranked = key[order]
+    base, key = _edge_keys(faces)
+    if base**2 * len(key) < 2**63:
+        # Sorting numbers takes a quarter of the time of a stable sort of their places.
+        both = np.sort(key * len(key) + np.arange(len(key)))
+        ranked = both // max(len(key), 1)
+        order = both - ranked * len(key)
+    else:
+        order = np.argsort(key, kind="stable")
+        ranked = key[order]
     fresh = np.ones(len(key), dtype=bool)
     fresh[1:] = ranked[1:] != ranked[:-1]
-    first = ranked[fresh]
-    return grouped(order, fresh, np.stack([first // base, first % base], axis=1))
+    return grouped(order, fresh, _ends(ranked[fresh], base))
+
+
+def _edge_keys(faces: Ints) -> tuple[int, Ints]:
+    """The number of vertices, and a number (3 m,) for the edge opposite to each corner; those of edges ascend."""
+    tail, head = faces[:, [1, 2, 0]].ravel(), faces[:, [2, 0, 1]].ravel()
+    base = int(faces.max(initial=0)) + 1
+    return base, np.minimum(tail, head) * base + np.maximum(tail, head)
+
+
+def _ends(keys: Ints, base: int) -> Ints:
+    """The vertices (e, 2) of edges, from their numbers (e,)."""
+    return np.stack([keys // base, keys % base], axis=1)
 
 
 def grouped(order: Ints, fresh: Bools, edges: Ints) -> EdgeTable:
@@ -212,9 +227,11 @@ def boundary_loops(faces: Ints, table: EdgeTable | None = None) -> list[Ints]:
 
 
 def boundary_edges(faces: Ints) -> Ints:
-    """The edges (b, 2) that have one face."""
-    table = edge_table(faces)
-    return table.edges[table.counts == 1]
+    """The edges (b, 2) that have one face, sorted."""
+    base, key = _edge_keys(faces)
+    key = np.sort(key)
+    same = np.concatenate([[False], key[1:] == key[:-1], [False]])
+    return _ends(key[~(same[1:] | same[:-1])], base)
 
 
 def boundary_lengths(table: EdgeTable) -> Ints:

@@ -7,7 +7,7 @@ flattening, which knows spheres with holes alone, is that of the surface cut ope
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -27,22 +27,26 @@ class HandleReadings:
         The mesh cut open along all loops; then, if some of the loops can be handles, the mesh with these kept.
     loops
         Vertices of the user's mesh (l,) int64 of each loop.
+    kept
+        Of the mesh with handles kept, vertices (l,) int64 of their loops; empty if other loops are cut open there,
+        which changes the numbers of its vertices.
     """
 
     meshes: tuple[Mesh, ...]
     loops: list[np.ndarray]
+    kept: list[np.ndarray] = field(default_factory=list)
 
     def __repr__(self) -> str:
         return one_line(self)
 
 
-def handle_readings(mesh: Mesh, proxy_size: int) -> HandleReadings:
-    """The readings of a mesh; one without handles has a single one, itself.
+def handle_readings(mesh: Mesh, number: int, proxy_size: int) -> HandleReadings:
+    """The readings of a mesh with so many handles; one without handles has a single one, itself.
 
     A loop is that of a contact if it is shorter than the circumference of a disc with the area that one point of the
     proxy stands for: what is thinner than that is no part of the shape at the resolution at which it is compared.
     """
-    loops = handle_loops(mesh)
+    loops = handle_loops(mesh, number)
     if not loops:
         return HandleReadings((mesh,), [])
     lengths = loop_lengths(unit_box(mesh.vertices), loops) / np.sqrt(areas(mesh.vertices, mesh.faces).sum())
@@ -51,7 +55,7 @@ def handle_readings(mesh: Mesh, proxy_size: int) -> HandleReadings:
     meshes = [_cut(mesh, loops, [])]
     if handles:
         meshes.append(_cut(mesh, contacts, handles))
-    return HandleReadings(tuple(meshes), [mesh.vertex_ids[loop] for loop in loops])
+    return HandleReadings(tuple(meshes), [mesh.vertex_ids[loop] for loop in loops], [] if contacts else handles)
 
 
 def _cut(mesh: Mesh, cut: list[np.ndarray], kept: list[np.ndarray]) -> Mesh:

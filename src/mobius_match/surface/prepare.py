@@ -19,7 +19,7 @@ from ..geometry.spectral import eigenbasis, wave_kernel_signature
 from ..mesh import Mesh
 from ..mesh.envelope import Envelope, envelopes
 from ..mesh.files import as_mesh
-from ..mesh.handles import cut_faces, handle_loops, is_wild
+from ..mesh.handles import cut_faces, handle_loops, is_wild, number_of_handles
 from ..mesh.pieces import main_piece
 from ..mesh.repair import repair
 from ..mesh.report import require_matchable
@@ -153,12 +153,13 @@ def prepare_mesh(
     report = progress or (lambda stage, done, total: None)
     # One BLAS thread: these are many small calls, and sums must not depend on the number of processors.
     with threadpool_limits(limits=1, user_api="blas"):
-        if is_wild(mesh):
+        number = number_of_handles(mesh.faces)
+        if is_wild(number):
             surfaces = [_on_envelope(mesh, one, settings, report, parameters) for one in envelopes(mesh)]
         else:
-            handles = handle_readings(mesh, parameters.proxy_size)
+            handles = handle_readings(mesh, number, parameters.proxy_size)
             surfaces = [
-                _prepare(one, handles.loops, k > 0, settings, report, parameters)
+                _prepare(one, handles.loops, handles.kept if k else None, settings, report, parameters)
                 for k, one in enumerate(handles.meshes)
             ]
     return surfaces[0] if len(surfaces) == 1 else replace(surfaces[0], other=surfaces[1])
@@ -168,19 +169,20 @@ def _on_envelope(
     mesh: Mesh, outer: Envelope, settings: PrepareSettings, progress: Progress, parameters: SurfaceParameters
 ) -> Surface:
     """The surface of an envelope, cut open along its handles, with the mesh that it stands for as its detail."""
-    handles = handle_readings(outer.mesh, parameters.proxy_size)
-    surface = _prepare(handles.meshes[0], handles.loops, False, settings, progress, parameters)
+    handles = handle_readings(outer.mesh, number_of_handles(outer.mesh.faces), parameters.proxy_size)
+    surface = _prepare(handles.meshes[0], handles.loops, None, settings, progress, parameters)
     return replace(surface, detail=beside_envelope(surface.mesh, mesh), envelope=outer.offset)
 
 
 def _prepare(
     mesh: Mesh,
     loops: list[np.ndarray],
-    handles_kept: bool,
+    kept: list[np.ndarray] | None,
     settings: PrepareSettings,
     progress: Progress,
     parameters: SurfaceParameters,
 ) -> Surface:
+    """The surface of one reading of a mesh, with all loops around handles, and those that are kept, if any."""
     warnings = []
     clock = Stopwatch()
     mesh, detail = (
@@ -226,8 +228,8 @@ def _prepare(
     progress(f"flattening {mesh.name}", 1, 3)
     average = cells @ samples.distances / area
     flat, origin = triangulation, np.arange(len(vertices))
-    if handles_kept:
-        faces, origin = cut_faces(mesh.faces, handle_loops(mesh))
+    if kept is not None:
+        faces, origin = cut_faces(mesh.faces, handle_loops(mesh) if detail or not kept else kept)
         flat = intrinsic_mesh(vertices[origin], faces, delaunay=settings.triangulation == "delaunay")
     flattening = flatten(flat, choose_cut_face(flat, average[origin]))
     if not flattening.closure < LARGEST_CLOSURE:
@@ -280,7 +282,7 @@ def _prepare(
         closure=flattening.closure,
         loops=np.array([vertex for loop in loops for vertex in loop.tolist()], np.int64),
         loop_sizes=np.array([len(loop) for loop in loops], np.int64),
-        handles_kept=handles_kept,
+        handles_kept=kept is not None,
         envelope=0.0,
         other=None,
         area=area * scale**2,
