@@ -15,6 +15,7 @@ from typing import TypeVar
 
 import numpy as np
 
+from .._core.display import one_line
 from .._core.threads import map_threads
 from ..landmarks.constraints import LandmarkConstraints
 from ..settings import MatchSettings
@@ -55,6 +56,9 @@ class Candidates:
     parameters: AlignmentParameters
     constraints: LandmarkConstraints | None = None
     jobs: int | None = 1
+
+    def __repr__(self) -> str:
+        return one_line(self)
 
     def voted(self, votes: Votes, discs: bool = True) -> list[Alignment]:
         """The alignments that the best triplets of guided votes stand for, the cheapest first.
