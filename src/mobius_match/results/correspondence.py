@@ -49,6 +49,8 @@ class Correspondence:
         proposals).
     given
         (Q,) bool: which matches are landmarks that the user gave, with confidence 1; None where none were given.
+    reflected
+        Whether it is the mirror image of the source that was matched. All coordinates are those of the user's meshes.
     source_info, target_info
         Path, SHA-256, numbers of vertices and faces, area and geodesic diameter of the two meshes.
     settings
@@ -75,6 +77,7 @@ class Correspondence:
     settings: dict[str, Any]
     target_points: SurfacePoints | None = None
     given: np.ndarray | None = None
+    reflected: bool = False
     timings: dict[str, float] = field(default_factory=dict)
     software: dict[str, str] = field(default_factory=dict)
     diagnostics: dict[str, float] = field(default_factory=dict)
@@ -82,6 +85,7 @@ class Correspondence:
     source: Surface | None = None
     target: Surface | None = None
     votes: Votes | None = None
+    _costs: Callable[[], dict[str, float]] | None = field(default=None, repr=False)
     _make_alternatives: Callable[[], tuple[Alternative, ...]] | None = field(default=None, repr=False)
     _make_dense: Callable[[], SurfaceMap] | None = field(default=None, repr=False)
 
@@ -181,6 +185,8 @@ class Correspondence:
             "diagnostics": self.diagnostics,
             "warnings": list(self.warnings),
         }
+        if self.reflected:
+            content["reflected"] = True
         if alternatives:
             content["alternatives"] = [
                 {"margin": one.margin, "share": one.share, "correspondences": to_rows(one)} for one in self.alternatives
@@ -294,6 +300,7 @@ class Correspondence:
                 software=dict(content["software"]),
                 diagnostics=dict(content.get("diagnostics", {})),
                 warnings=tuple(content.get("warnings", ())),
+                reflected=bool(content.get("reflected", False)),
                 _make_alternatives=partial(tuple, [_alternative(one) for one in content.get("alternatives", ())]),
             )
         except (KeyError, TypeError, ValueError, OverflowError) as error:

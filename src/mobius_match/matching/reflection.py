@@ -1,0 +1,157 @@
+"""Left against right: the mirror image of the source is matched, or both, of which the better one is taken.
+
+The mirror image needs no preparation of its own (:mod:`mobius_match.surface.reflected`), and nothing between preparation
+and result knows that it is one. The result is then told in the coordinates of the user's own source.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from .._core.timing import Stopwatch
+from ..alignments.alignment import Alignment
+from ..alignments.cost import registered_map_cost, registration_cost
+from ..errors import MobiusError
+from ..landmarks.pairs import given_pairs
+from ..results.correspondence import Correspondence
+from ..results.reflected import with_mirrored_source
+from ..surface.reflected import reflected
+from ..surface.surface import Surface
+from ..voting.votes import Votes
+from .parameters import Parameters
+from .partial.coverage import may_be_part
+from .partial.decision import whole_error
+from .partial.part import PartMatch
+
+
+def match_reflected(
+    run: Callable[..., Correspondence],
+    source: Surface,
+    target: Surface,
+    landmarks: Any,
+    parameters: Parameters,
+    recorded: Mapping[str, Any],
+    clock: Stopwatch,
+) -> Correspondence:
+    """Match the mirror image of the source, or the source and its mirror image.
+
+    Parameters
+    ----------
+    run
+        Matches two surfaces as they are, with known pairs as ``landmarks``.
+    source, target
+        The surfaces.
+    landmarks
+        As in :func:`.match.match`. Positions in files are those on the source itself.
+    parameters
+        The constants.
+    recorded
+        Settings of the result; with ``reflect`` "yes" the mirror image is matched, with "auto" both, and that of the two
+        that fits better is taken: the mirror image only if it does so clearly.
+    clock
+        Durations up to here.
+
+    Returns
+    -------
+    Correspondence
+        The result, in the coordinates of the source itself.
+
+    Raises
+    ------
+    MobiusError
+        As :func:`.match.match`; with "auto" only if neither can be matched.
+    """
+    notes, diagnostics = list[str](), dict[str, float]()
+    if landmarks is not None:
+        landmarks, notes = given_pairs(landmarks, (source.whole_mesh, target.whole_mesh))
+    image = reflected(source)
+    both = (image,) if recorded["reflect"] == "yes" else (source, image)
+    results, errors = dict[Surface, Correspondence](), list[MobiusError]()
+    for one in both:
+        try:
+            results[one] = run(one, target, landmarks=landmarks)
+        except MobiusError as error:
+            errors.append(error)
+    if not results:
+        raise errors[0]
+    mirrored, line = image in results, f"{source.mesh.name}: its mirror image was matched"
+    if len(both) > 1:
+        probability = float(mirrored) if errors else reflection_probability(*results.values())
+        mirrored = probability > odds(parameters.alignment.selection.ambiguous_margin)
+        diagnostics, line = {"reflected probability": probability}, f"{line} (probability {probability:.2f})"
+    result = results[image if mirrored else source]
+    if mirrored:
+        result = _of_source(result, source, image)
+    return replace(
+        result,
+        settings=result.settings | recorded,
+        diagnostics=result.diagnostics | diagnostics,
+        timings=result.timings | clock.with_total(),
+        warnings=(*result.warnings, *notes, *([line] if mirrored else [])),
+    )
+
+
+def _of_source(result: Correspondence, source: Surface, image: Surface) -> Correspondence:
+    """The result of a mirror image in the coordinates of the source itself."""
+    known = result.source is None or result.source is image
+    return replace(
+        result,
+        source=source if known else reflected(result.source),
+        reflected=True,
+        _make_dense=lambda: with_mirrored_source(result.dense()),
+    )
+
+
+def reflection_probability(as_it_is: Correspondence, mirrored: Correspondence) -> float:
+    """The probability that it is the mirror image of the source that corresponds to the target.
+
+    By the costs of the two results, of the first kind that both have; 0.5 if there is none.
+    """
+    one, other = ({} if result._costs is None else result._costs() for result in (as_it_is, mirrored))
+    return next((odds(one[name] - other[name]) for name in one if name in other), 0.5)
+
+
+def odds(difference: float) -> float:
+    """The logistic function of a difference in cost."""
+    return float(1 + np.tanh(difference / 2)) / 2
+
+
+def costs(
+    source: Surface,
+    target: Surface,
+    votes: Votes,
+    alignments: list[Alignment],
+    part: PartMatch | None,
+    parameters: Parameters,
+) -> dict[str, float]:
+    """What a match costs, by kind, so that it can be compared with that of the mirror image.
+
+    Parameters
+    ----------
+    source, target
+        The surfaces.
+    votes
+        The votes.
+    alignments
+        The alignments of two wholes, the chosen one first; none for a part, or with uniform proposals.
+    part
+        Where a part lies.
+    parameters
+        The constants.
+    """
+    if part is not None:
+        return {"coverage": float(np.log(part.cost))}
+    if not alignments:
+        # Right triplets vote for the same pairs.
+        return {"votes": -float(np.log(votes.matrix.max()))}
+    constants = parameters.alignment
+    registration = alignments[0].registered(source, target, constants)
+    found = {"registration": registration_cost(source, target, registration, constants)}
+    if may_be_part(source, parameters.partial) or may_be_part(target, parameters.partial):
+        error = whole_error(source, target, registration, parameters.partial)
+        found["coverage"] = float(np.log(error * registered_map_cost(source, target, registration, constants.cost)))
+    return found
