@@ -146,8 +146,8 @@ class MatchSettings(PrepareSettings):
         Of two that are closer, the more confident one is reported. 0 reports all of about 1200 points; 0.2 only the
         samples, as uniform proposals and parts of a surface always do.
     reflect
-        Whether the mirror image of the source is matched, as of a left hand with a right one: ``"no"``, ``"yes"``, or
-        ``"auto"``, which matches both and takes the mirror image where it fits clearly better.
+        Whether the mirror image of the source is matched, as a left hand with a right one: ``"no"``, ``"yes"``, or
+        ``"auto"``: matched are both, and the mirror image is taken where it fits clearly better.
     seed
         Seed of all randomness, 0 or larger.
     jobs
@@ -171,7 +171,8 @@ class MatchSettings(PrepareSettings):
         super().__post_init__()
         if self.votes is not None:
             _check_whole("votes", self.votes, 1, 10**10)
-        for name, kind in ("proposal", Proposal), ("distance", Distance), ("assignment", Assignment), ("reflect", Reflect):
+        choices = {"proposal": Proposal, "distance": Distance, "assignment": Assignment, "reflect": Reflect}
+        for name, kind in choices.items():
             _check_choice(name, getattr(self, name), kind)
         for name in ("min_fraction", "threshold", "recovery_radius"):
             value = getattr(self, name)

@@ -139,6 +139,7 @@ def test_threads_do_not_change_the_result(result, proposal):
         ("--assignment", "linear", "assignment"),
         ("--threshold", 0.05, "threshold"),
         ("--spacing", 0.1, "spacing"),
+        ("--reflect", "yes", "reflect"),
         ("--seed", 7, "seed"),
         ("--jobs", 1, "jobs"),
     ],

@@ -42,8 +42,8 @@ class Quality:
         (n1,) float64: distance in space between a vertex and the image of its image under the inverse map, per
         sqrt(area) of the source.
     kept
-        (m1,) bool: which of the source's faces have an image with the same orientation; where the map is reflected, with
-        that of the source's mirror image.
+        (m1,) bool: which of the source's faces have an image with the same orientation; with the opposite one, where
+        the map is reflected.
     orientation
         Share of the mapped faces that are kept so.
     coverage

@@ -34,8 +34,8 @@ from .partial.part import PartMatch, locate_parts
 from .pieces.main_pair import choose_main_pair
 from .pieces.search import PieceSearch, without_preparation
 from .pieces.whole import with_all_pieces
-from .reflection import costs, match_reflected
 from .reading import aligned_matches, dense_map_of_part, dense_map_of_whole, part_matches, voted_matches
+from .reflection import costs, match_reflected
 
 
 def match(
@@ -168,7 +168,7 @@ def match(
             *of_handles,
             *ambiguity_warnings(outcome.alignments, parameters.alignment),
         ),
-        _costs=partial(costs, first, second, outcome.votes, outcome.alignments, outcome.part, parameters),
+        _costs=partial(costs, first, second, outcome.votes, outcome.alignments, outcome.part, chosen, parameters),
         _make_alternatives=partial(_alternatives, first, second, outcome, chosen, parameters),
         _make_dense=partial(_dense_map, first, second, outcome, chosen, parameters, constraints),
         source=first,

@@ -1,7 +1,7 @@
 """Left against right: the mirror image of the source is matched, or both, of which the better one is taken.
 
-The mirror image needs no preparation of its own (:mod:`mobius_match.surface.reflected`), and nothing between preparation
-and result knows that it is one. The result is then told in the coordinates of the user's own source.
+The mirror image needs no preparation of its own (:mod:`mobius_match.surface.reflected`), and nothing between
+preparation and result knows that it is one. The result is then told in the coordinates of the user's own source.
 """
 
 from __future__ import annotations
@@ -11,6 +11,7 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
+from threadpoolctl import threadpool_limits
 
 from .._core.timing import Stopwatch
 from ..alignments.alignment import Alignment
@@ -19,6 +20,7 @@ from ..errors import MobiusError
 from ..landmarks.pairs import given_pairs
 from ..results.correspondence import Correspondence
 from ..results.reflected import with_mirrored_source
+from ..settings import MatchSettings
 from ..surface.reflected import reflected
 from ..surface.surface import Surface
 from ..voting.votes import Votes
@@ -26,6 +28,8 @@ from .parameters import Parameters
 from .partial.coverage import may_be_part
 from .partial.decision import whole_error
 from .partial.part import PartMatch
+from .pieces.search import surfaces_of
+from .reading import alignment_of_votes
 
 
 def match_reflected(
@@ -50,8 +54,8 @@ def match_reflected(
     parameters
         The constants.
     recorded
-        Settings of the result; with ``reflect`` "yes" the mirror image is matched, with "auto" both, and that of the two
-        that fits better is taken: the mirror image only if it does so clearly.
+        Settings of the result. With ``reflect`` "yes" the mirror image is matched, with "auto" both; it is taken if it
+        fits clearly better.
     clock
         Durations up to here.
 
@@ -88,7 +92,7 @@ def match_reflected(
         result = _of_source(result, source, image)
     return replace(
         result,
-        settings=result.settings | recorded,
+        settings={**result.settings, **recorded},
         diagnostics=result.diagnostics | diagnostics,
         timings=result.timings | clock.with_total(),
         warnings=(*result.warnings, *notes, *([line] if mirrored else [])),
@@ -97,10 +101,10 @@ def match_reflected(
 
 def _of_source(result: Correspondence, source: Surface, image: Surface) -> Correspondence:
     """The result of a mirror image in the coordinates of the source itself."""
-    known = result.source is None or result.source is image
+    matched = surfaces_of(result)[0]  # of several readings and pieces it need not be the one that was given
     return replace(
         result,
-        source=source if known else reflected(result.source),
+        source=source if matched is image else reflected(matched),
         reflected=True,
         _make_dense=lambda: with_mirrored_source(result.dense()),
     )
@@ -126,9 +130,10 @@ def costs(
     votes: Votes,
     alignments: list[Alignment],
     part: PartMatch | None,
+    settings: MatchSettings,
     parameters: Parameters,
 ) -> dict[str, float]:
-    """What a match costs, by kind, so that it can be compared with that of the mirror image.
+    """What a match of two pieces costs, by kind, so that it can be compared with that of the mirror image.
 
     Parameters
     ----------
@@ -140,18 +145,18 @@ def costs(
         The alignments of two wholes, the chosen one first; none for a part, or with uniform proposals.
     part
         Where a part lies.
-    parameters
-        The constants.
+    settings, parameters
+        The settings and the constants.
     """
     if part is not None:
         return {"coverage": float(np.log(part.cost))}
-    if not alignments:
-        # Right triplets vote for the same pairs.
-        return {"votes": -float(np.log(votes.matrix.max()))}
     constants = parameters.alignment
-    registration = alignments[0].registered(source, target, constants)
-    found = {"registration": registration_cost(source, target, registration, constants)}
-    if may_be_part(source, parameters.partial) or may_be_part(target, parameters.partial):
-        error = whole_error(source, target, registration, parameters.partial)
-        found["coverage"] = float(np.log(error * registered_map_cost(source, target, registration, constants.cost)))
+    with threadpool_limits(limits=1, user_api="blas"):  # sums must not depend on the number of processors
+        if not alignments:
+            alignments = [alignment_of_votes(source, target, votes, settings, parameters)]
+        registration = alignments[0].registered(source, target, constants)
+        found = {"registration": registration_cost(source, target, registration, constants)}
+        if may_be_part(source, parameters.partial) or may_be_part(target, parameters.partial):
+            error = whole_error(source, target, registration, parameters.partial)
+            found["coverage"] = float(np.log(error * registered_map_cost(source, target, registration, constants.cost)))
     return found

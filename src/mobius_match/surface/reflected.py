@@ -1,8 +1,8 @@
 """The mirror image of a prepared surface, without a new preparation.
 
 Lengths, areas, curvatures and eigenfunctions of a mirror image are those of the surface, and samples stay where they
-are. The plane of the flattening is mirrored, that is conjugated, and so is the unit disc; faces are flipped, so that they
-point outward.
+are. The plane of the flattening is mirrored, that is conjugated, and so is the unit disc. Faces are flipped, so that
+they point outward.
 """
 
 from __future__ import annotations
