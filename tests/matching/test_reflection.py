@@ -11,7 +11,7 @@ from mobius_match.matching.reflection import odds
 from mobius_match.mesh import Mesh
 from mobius_match.mesh.measure import cross_products
 from mobius_match.surface.reflected import reflected
-from tests.shapes import icosphere, lump, rotation
+from tests.shapes import bumpy_torus, icosphere, lump, rotation
 
 
 def twisted(vertices, turn):
@@ -298,3 +298,24 @@ def test_what_is_carried_along_lies_beside_the_users_own_source():
     back = mm.match(source, target, seed=0, samples=40, reflect="yes").dense().inverse
     assert back.reflected
     assert np.linalg.norm(back.positions[n:] - whole.vertices[n:], axis=1).max() < 0.1
+
+
+def test_a_surface_with_a_handle_has_a_mirror_image_in_both_readings():
+    (vertices, faces), _ = bumpy_torus(3.0, 0.0, 40, 16)
+    mirror = Mesh(vertices @ rotation(2), faces).reflected()
+    result = mm.match((vertices, faces), mirror, seed=0, samples=40, reflect="yes")
+    assert result.reflected and result.source.handles_kept and result.target.handles_kept
+    np.testing.assert_array_equal(result.source.mesh.vertices, vertices)
+    away = mirror.vertices[result.dense().vertex_map] - mirror.vertices
+    assert np.linalg.norm(away, axis=1).mean() < 0.02 * np.ptp(vertices)
+
+
+def test_what_is_exported_says_that_the_mirror_image_was_matched(mirrored, dense, plain, tmp_path):
+    mirrored.export(tmp_path / "mirrored.npz", dense=dense)
+    plain.export(tmp_path / "plain.npz")
+    with np.load(tmp_path / "mirrored.npz") as one, np.load(tmp_path / "plain.npz") as other:
+        assert one["reflected"] and "reflected" not in other.files
+        np.testing.assert_array_equal(one["source_points"], mirrored.source.mesh.vertices[mirrored.pairs[:, 0]])
+    for result, said in ((mirrored, True), (plain, False)):
+        (file,) = result.export(tmp_path / "matches.tps")
+        assert ("the mirror image of the source was matched" in file.read_text()) == said
