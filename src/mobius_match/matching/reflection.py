@@ -149,7 +149,7 @@ def costs(
         The settings and the constants.
     """
     if part is not None:
-        return {"coverage": float(np.log(part.cost))}
+        return {"coverage": _log(part.cost)}
     constants = parameters.alignment
     with threadpool_limits(limits=1, user_api="blas"):  # sums must not depend on the number of processors
         if not alignments:
@@ -158,5 +158,9 @@ def costs(
         found = {"registration": registration_cost(source, target, registration, constants)}
         if may_be_part(source, parameters.partial) or may_be_part(target, parameters.partial):
             error = whole_error(source, target, registration, parameters.partial)
-            found["coverage"] = float(np.log(error * registered_map_cost(source, target, registration, constants.cost)))
+            found["coverage"] = _log(error * registered_map_cost(source, target, registration, constants.cost))
     return found
+
+
+def _log(cost: float) -> float:
+    return float(np.log(cost + np.finfo(float).tiny))
