@@ -40,6 +40,7 @@ from mobius_match.settings import (
         ("triangulation", "best", "delaunay, mesh"),
         ("placement", "near", "mean, closest"),
         ("assignment", "best", "greedy, linear"),
+        ("reflect", True, "no, yes, auto"),
         ("seed", -1, "from 0"),
         ("jobs", 0, "from 1"),
     ],

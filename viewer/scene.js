@@ -55,7 +55,7 @@ export class View {
     for (const match of matches) kinds[match.given ? 2 : match.kind === "voted" ? 0 : 1].push(match);
     this.sides.forEach((side, s) => {
       side.points = s || !this.time ? alignment.points[s]
-        : this.#interpolate([alignment.points[0], ...alignment.moved]);
+        : this.#interpolate([this.#first(alignment.points[0]), ...alignment.moved]);
       for (const mark of side.marks) {
         side.scene.remove(mark);
         mark.dispose();
@@ -95,14 +95,20 @@ export class View {
     this.theme();
   }
 
-  // Show the source between itself (0) and the target (1); `show` then moves the matches too.
+  // Show the source, or its mirror image if that was matched, between itself (0) and the target (1); `show` then moves the matches too.
   morph(time) {
     const changed = Boolean(time) !== Boolean(this.time);
     this.time = time;
     if (changed) this.#fit();
     if (this.sides[0].loops) this.sides[0].loops.visible = !time;
-    this.sides[0].surface.move(this.#interpolate([this.data.sides[0].positions, ...this.data.morph]));
+    this.sides[0].surface.move(this.#interpolate([this.#first(this.data.sides[0].positions), ...this.data.morph]));
     this.redraw();
+  }
+
+  // Positions on the source as the morph begins with them: those of its mirror image, if that was matched.
+  #first(positions) {
+    if (!this.data.result.reflected || !this.time) return positions;
+    return positions.map((value, i) => (i % 3 ? value : -value));
   }
 
   #interpolate(frames) {

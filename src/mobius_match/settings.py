@@ -29,6 +29,7 @@ Placement = Literal["mean", "closest"]
 Proposal = Literal["guided", "uniform"]
 Distance = Literal["euclidean", "spherical"]
 Assignment = Literal["greedy", "linear"]
+Reflect = Literal["no", "yes", "auto"]
 Preset = Literal["paper"]
 
 WHICH_PIECES = ("largest", "all")  # values of ``pieces`` that are no names
@@ -110,9 +111,8 @@ class PrepareSettings:
 
     def __post_init__(self) -> None:
         _check_whole("samples", self.samples, 4, 5000)
-        _check_choice("geodesics", self.geodesics, Geodesics)
-        _check_choice("triangulation", self.triangulation, Triangulation)
-        _check_choice("placement", self.placement, Placement)
+        for name, kind in ("geodesics", Geodesics), ("triangulation", Triangulation), ("placement", Placement):
+            _check_choice(name, getattr(self, name), kind)
         _check_whole("resolution", self.resolution, 0, 10**9)
         _check(isinstance(self.pieces, str) and self.pieces != "", "pieces", self.pieces, "give largest, all or a name")
 
@@ -148,6 +148,9 @@ class MatchSettings(PrepareSettings):
         Minimum distance of matches between the samples from all samples and from each other, per sqrt(area), 0 to 0.2.
         Of two that are closer, the more confident one is reported. 0 reports all of about 1200 points; 0.2 only the
         samples, as uniform proposals and parts of a surface always do.
+    reflect
+        Whether the mirror image of the source is matched, as a left hand with a right one: ``"no"``, ``"yes"``, or
+        ``"auto"``: matched are both, and the mirror image is taken where it fits clearly better.
     seed
         Seed of all randomness, 0 or larger.
     jobs
@@ -163,6 +166,7 @@ class MatchSettings(PrepareSettings):
     threshold: float | None = None
     recovery_radius: float = 0.05
     spacing: float = 0.025
+    reflect: Reflect = "no"
     seed: int = 0
     jobs: int | None = None
 
@@ -170,8 +174,9 @@ class MatchSettings(PrepareSettings):
         super().__post_init__()
         if self.votes is not None:
             _check_whole("votes", self.votes, 1, 10**10)
-        _check_choice("proposal", self.proposal, Proposal)
-        _check_choice("distance", self.distance, Distance)
+        choices = {"proposal": Proposal, "distance": Distance, "assignment": Assignment, "reflect": Reflect}
+        for name, kind in choices.items():
+            _check_choice(name, getattr(self, name), kind)
         for name in ("min_fraction", "threshold", "recovery_radius"):
             value = getattr(self, name)
             if value is not None:
@@ -179,7 +184,6 @@ class MatchSettings(PrepareSettings):
         _check_number("spacing", self.spacing, LARGEST_SPACING)
         _check(isinstance(self.epsilon, int | float), "epsilon", self.epsilon, "give a positive number")
         _check(0 < self.epsilon < float("inf"), "epsilon", self.epsilon, "give a positive number")
-        _check_choice("assignment", self.assignment, Assignment)
         _check_whole("seed", self.seed, 0, 2**63 - 1)
         if self.jobs is not None:
             _check_whole("jobs", self.jobs, 1, 1024)
@@ -274,6 +278,7 @@ class MatchOptions(SymmetryOptions, total=False):
     threshold: float | None
     recovery_radius: float
     spacing: float
+    reflect: Reflect
 
 
 def make_settings(preset: str | None = None, **overrides: Any) -> MatchSettings:

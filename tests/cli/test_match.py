@@ -139,6 +139,7 @@ def test_threads_do_not_change_the_result(result, proposal):
         ("--assignment", "linear", "assignment"),
         ("--threshold", 0.05, "threshold"),
         ("--spacing", 0.1, "spacing"),
+        ("--reflect", "yes", "reflect"),
         ("--seed", 7, "seed"),
         ("--jobs", 1, "jobs"),
     ],
@@ -153,6 +154,23 @@ def test_options_win_over_the_preset(result):
     assert settings["min_fraction"] == 0.4
     assert settings["samples"] == 40
     assert settings["geodesics"] == "heat"
+
+
+def test_a_mirror_image_is_matched(mobius, pair, tmp_path):
+    lines = pair[0].read_text().split()
+    n, m = int(lines[1]), int(lines[2])
+    vertices = np.reshape(lines[4 : 4 + 3 * n], (n, 3)).astype(float) * [-1, 1, 1]
+    faces = np.reshape(lines[4 + 3 * n : 4 + 3 * n + 4 * m], (m, 4))[:, [0, 1, 3, 2]]
+    mirrored = tmp_path / "mirrored.off"
+    rows = [f"OFF {n} {m} 0", *(f"{x!r} {y!r} {z!r}" for x, y, z in vertices.tolist()), *map(" ".join, faces)]
+    mirrored.write_text("\n".join(rows) + "\n")
+    ended = mobius("match", pair[0], mirrored, *QUICK, "--reflect", "auto", "--json")
+    assert ended.code == 0, ended.err
+    found = json.loads(ended.out)
+    assert found["reflected"] is True and found["settings"]["reflect"] == "auto"
+    assert "its mirror image was matched (probability 1.00)" in ended.err
+    assert np.mean([row["source"] == row["target"] for row in found["correspondences"]]) >= 0.95
+    assert "--reflect is 'maybe'" in mobius("match", pair[0], mirrored, "--reflect", "maybe").err
 
 
 def test_a_mesh_matches_itself(mobius, pair):

@@ -65,3 +65,32 @@ def test_errors(mobius, saved_map, tmp_path, monkeypatch, options, message):
     assert (ended.code, ended.out) == (2, "")
     assert message in ended.err
     assert [one.name for one in tmp_path.iterdir()] == ["file"]
+
+
+def test_a_reflected_map_begins_with_the_mirror_image(mobius, shape, tmp_path):
+    one = Mesh(*shape)
+    two = Mesh(one.reflected().vertices * [1, 1, 2], one.reflected().faces)
+    corner = np.empty(len(one.vertices), np.int64)
+    corner[one.faces.ravel()] = np.arange(one.faces.size)
+    points = SurfacePoints(corner // 3, one.faces[corner // 3], np.eye(3)[corner % 3])
+    every = np.ones(len(one.vertices), bool)
+    SurfaceMap(one, two, points.in_flipped_faces, points, every, every, reflected=True).save(tmp_path / "map.npz")
+    ended = mobius("morph", tmp_path / "map.npz", "--frames", 2, "--pixels", 0, "-o", tmp_path / "out")
+    assert ended.code == 0, ended.err
+    assert "the source was reflected first" in ended.err
+    content = (tmp_path / "out" / "morph.glb").read_bytes()
+    loaded = trimesh.load(io.BytesIO(content), file_type="glb", process=False, force="mesh")
+    assert loaded.volume > 0
+    np.testing.assert_allclose(loaded.vertices[:, 1:], one.vertices[:, 1:], atol=1e-5)
+    np.testing.assert_allclose(
+        np.sort(loaded.vertices[:, 0]),
+        np.sort(-one.vertices[:, 0]) + one.vertices[:, 0].min() + one.vertices[:, 0].max(),
+        atol=1e-5,
+    )
+    # What is transferred is the shape of the target, with faces that point outward.
+    out = tmp_path / "positions.ply"
+    ended = mobius("transfer", tmp_path / "map.npz", "--what", "positions", "-o", out)
+    assert ended.code == 0 and "faces are flipped" in ended.err
+    moved = trimesh.load(out, process=False)
+    assert moved.volume > 0
+    np.testing.assert_allclose(moved.vertices, two.vertices, atol=1e-5)

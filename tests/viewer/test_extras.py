@@ -162,6 +162,24 @@ def test_the_source_becomes_the_target_with_its_spheres(browser, result, mesh, d
     assert browser.complaints() == []
 
 
+def test_the_morph_of_a_mirror_image_is_never_flat(browser, result, mesh, dense, tmp_path):
+    """The target is the mirror image of the source: the morph has it from its first moment to its last."""
+    image = replace(mesh.reflected(), sha256="other")
+    points = dense.source_points.in_flipped_faces
+    across = replace(dense, target=image, target_points=points, target_mapped=dense.source_mapped, reflected=True)
+    path = tmp_path / "page.html"
+    other = replace(result, target=Prepared(image), target_info=info(image), reflected=True)
+    path.write_text(page(other, dense=across), encoding="utf-8")
+    browser.open(path)
+    apart = []
+    for moment in (0, 0.01, 0.06, 0.5, 1):
+        move(browser, "morph", moment)
+        one, two = halves(browser)
+        apart.append((np.abs(one - two).max(axis=2) > 0.15).mean())
+    assert apart[0] > 0.05 and max(apart[1:]) < 0.02
+    assert browser.complaints() == []
+
+
 def canvas(browser, number):
     """Left, top, width and height of one of the pictures of the votes."""
     return browser.run(

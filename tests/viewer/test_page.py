@@ -170,6 +170,25 @@ def test_the_morph_begins_at_the_source_and_ends_at_the_target(result, dense):
         np.testing.assert_allclose(moved, frames[:, one.pairs[:, 0]], atol=1e-4)
 
 
+def test_the_morph_of_a_reflected_map_begins_with_the_mirror_image(result, dense, mesh):
+    """The page shows the source itself, and as the first shape its mirror image, at the middle of the page."""
+    image = replace(mesh.reflected(), sha256="other")
+    points = dense.source_points.in_flipped_faces
+    across = replace(dense, target=image, target_points=points, target_mapped=dense.source_mapped, reflected=True)
+    other = replace(result, target=Prepared(image), target_info=info(image), reflected=True)
+    text = page(other, dense=across)
+    content = element(text, "shapes")
+    assert element(text, "result")["reflected"] is True
+    start, end = (vertices(side) for side in content["sides"])
+    frames = places(content["morph"]).reshape(8, -1, 3)
+    np.testing.assert_allclose(frames[-1], end, atol=1e-4)
+    # The two mirror images differ by a rotation, so nothing is flattened on the way.
+    sizes = [np.linalg.svd(one - one.mean(axis=0), compute_uv=False) for one in (start, *frames)]
+    np.testing.assert_allclose(sizes, np.tile(sizes[0], (9, 1)), rtol=1e-3)
+    moved = numbers(content["alignments"][0]["moved"], "<f4").reshape(8, -1, 3)
+    np.testing.assert_allclose(moved, frames[:, result.pairs[:, 0]], atol=1e-4)
+
+
 def test_colours_of_the_source_file_are_carried(tmp_path, result, dense, mesh):
     path = tmp_path / "coloured.ply"
     colours = np.arange(3 * len(mesh.vertices)).reshape(-1, 3) % 251
@@ -254,6 +273,17 @@ def test_the_votes_and_the_planes_are_those_of_the_match(matched):
             assert found["paired"].count(j) == 1
             assert np.abs(opened[0][i] - opened[1][j]) < 0.5 or np.abs(opened[0][i]) > 3
     assert sum(j >= 0 for j in found["paired"]) >= 8
+
+
+def test_the_planes_of_a_reflected_match_are_those_of_the_mirror_image():
+    shape = as_mesh(shapes.lump())
+    reflected = match(shape, shape.reflected(), samples=30, votes=4000, seed=0, reflect="yes")
+    found = element(page(reflected), "shapes")["insight"]
+    planes = [numbers(plane, "<f4").reshape(-1, 2) @ [1, 1j] for plane in found["planes"]]
+    here, there = (plane / (1 - np.abs(plane)) for plane in planes)
+    pairs = [(i, j) for i, j in enumerate(found["paired"]) if j >= 0 and np.abs(here[i]) <= 3]
+    assert len(pairs) >= 20
+    assert all(np.abs(here[i] - there[j]) < 0.5 for i, j in pairs)
 
 
 def test_votes_of_uniform_triplets_and_too_few_of_them():

@@ -52,6 +52,8 @@ class Attributes:
             self._add_file(Path(name))
         elif name == "positions":
             self.mesh["positions"] = self.transfer.positions()
+            if self.transfer.map.reflected:
+                self.notes.append("the source's faces are flipped, so that they point outward on the target")
             self._report_gaps(self.mesh["positions"], "vertices", "in no face of the written mesh")
         else:
             self._add_appearance(name, self._read_appearance(name, donor))
@@ -206,10 +208,16 @@ class Attributes:
 
         from ..mesh.writing import mesh_files
 
-        positions, faces = self.mesh["positions"].copy(), self.transfer.source.faces
+        positions, faces = self.mesh["positions"].copy(), self._faces
         missing = np.isnan(positions).any(axis=1)
         positions[missing] = positions[~missing].mean(axis=0)  # in no face
         return mesh_files(output, positions, faces[~missing[faces].any(axis=1)])
+
+    @property
+    def _faces(self) -> np.ndarray:
+        """The source's faces, as they point outward on the target."""
+        source = self.transfer.source
+        return (source.reflected() if self.transfer.map.reflected else source).faces
 
     def _arrays(self) -> bytes:
         """All attributes in one .npz file."""
@@ -219,7 +227,7 @@ class Attributes:
         if self.mesh.get("image") is not None:
             arrays["image"] = np.frombuffer(self.mesh["image"], np.uint8)
         if "positions" in arrays:
-            arrays["faces"] = self.transfer.source.faces
+            arrays["faces"] = self._faces
         if self.landmarks is not None:
             arrays |= {"points": self.landmarks.points, "vertices": self.landmarks.vertices}
             arrays |= {"names": np.array(self.landmarks.names)} if self.landmarks.names else {}

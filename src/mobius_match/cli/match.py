@@ -126,6 +126,14 @@ def match(
             "sqrt(area) (0 to 0.2). 0.2: samples only.  [default: 0.025]",
         ),
     ] = None,
+    reflect: Annotated[
+        str | None,
+        Option(
+            metavar="no|yes|auto",
+            help="Match the mirror image of the source, as a left hand with a right one. 'auto' matches both and takes "
+            "the mirror image where it fits clearly better.  [default: no]",
+        ),
+    ] = None,
     pieces: Pieces = None,
     seed: Seed = None,
     jobs: Threads = None,
@@ -160,6 +168,7 @@ def match(
         assignment=assignment,
         threshold=threshold,
         spacing=spacing,
+        reflect=reflect,
         pieces=pieces,
         seed=seed,
         jobs=jobs,

@@ -40,11 +40,15 @@ def morph(
         from ..exporting.figures import draw_shapes, png
         from ..transfer.animation import animated_glb
         from ..transfer.morph import morph as morph_shapes
+        from ..transfer.morph import oriented
 
         unmapped = int((~surface_map.source_mapped).sum())
         if unmapped:
             reporter.notes([f"{unmapped} vertices have no counterpart and move with their neighbours"])
-        shapes, faces = morph_shapes(surface_map, np.linspace(0, 1, frames)), surface_map.source.faces
+        if surface_map.reflected:
+            reporter.notes(["the source was reflected first, as the map is that of its mirror image"])
+        faces = oriented(surface_map).source.faces
+        shapes = morph_shapes(surface_map, np.linspace(0, 1, frames))
         write(output / "morph.glb", animated_glb(shapes, faces, seconds))
         for number, picture in enumerate(draw_shapes(shapes, faces, size=(pixels, pixels)) if pixels else ()):
             reporter.progress("drawing", number, frames)

@@ -42,9 +42,10 @@ class Quality:
         (n1,) float64: distance in space between a vertex and the image of its image under the inverse map, per
         sqrt(area) of the source.
     kept
-        (m1,) bool: which of the source's faces have an image with the same orientation.
+        (m1,) bool: which of the source's faces have an image with the same orientation; with the opposite one, where
+        the map is reflected.
     orientation
-        Share of the mapped faces whose image has the same orientation.
+        Share of the mapped faces that are kept so.
     coverage
         Share of the target's area within 1.5 mean edge lengths of the image of a source vertex.
     mapped
@@ -141,7 +142,8 @@ def quality(surface_map: SurfaceMap) -> Quality:
     normals = cross_products(target.vertices / box_scale(target.vertices), target.faces)
     around = normals[surface_map.target_points.faces][source.faces]
     around = around / np.maximum(np.linalg.norm(around, axis=2, keepdims=True), np.finfo(float).tiny)
-    kept = whole & (np.einsum("mi,mi->m", np.nan_to_num(after), around.sum(axis=1)) > 0)
+    same = np.einsum("mi,mi->m", np.nan_to_num(after), around.sum(axis=1))
+    kept = whole & ((-same if surface_map.reflected else same) > 0)
     back, found = surface_map.inverse.map_points(surface_map.target_points)
     apart = np.linalg.norm(_unit(back.values(source.vertices), source) - here, axis=1)
     weights = areas(target.vertices, target.faces)

@@ -71,6 +71,11 @@ class Content:
         return np.zeros(len(self.matches), bool) if given is None else given
 
     @property
+    def reflected(self) -> bool:
+        """Whether the mirror image of the source was matched."""
+        return any(one is not None and one.reflected for one in (self.result, self.dense))
+
+    @property
     def map(self) -> SurfaceMap:
         """The dense map.
 
@@ -124,6 +129,7 @@ class Content:
         return (
             f"mobius-match; {DIRECTION}: landmark k of the source corresponds to landmark k of the target; "
             "coordinates are those of the mesh files, vertices count from 0"
+            + ("; the mirror image of the source was matched" if self.reflected else "")
         )
 
 

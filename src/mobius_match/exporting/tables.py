@@ -36,6 +36,8 @@ def write_csv(content: Content) -> bytes:
 def arrays_of(content: Content, base: int) -> dict[str, np.ndarray]:
     """All arrays by name. Vertices and faces count from ``base``; ``base - 1`` is none."""
     arrays: dict[str, np.ndarray] = {"index_base": np.array(base), "direction": np.array(DIRECTION)}
+    if content.reflected:
+        arrays["reflected"] = np.array(True)
     for side, name in zip(SIDES, content.names, strict=True):
         arrays[f"{side}_name"] = np.array(plain(name))
     if content.result is not None:

@@ -45,6 +45,11 @@ class SurfacePoints:
         """The corner with the largest weight, (q,) int64."""
         return self.corners[np.arange(len(self.corners)), self.barycentric.argmax(axis=1)]
 
+    @property
+    def in_flipped_faces(self) -> SurfacePoints:
+        """The same points where the second and the third corner of all faces are exchanged."""
+        return SurfacePoints(self.faces, self.corners[:, [0, 2, 1]], self.barycentric[:, [0, 2, 1]])
+
     def values(self, at_vertices: np.ndarray) -> np.ndarray:
         """Interpolate values at the vertices.
 

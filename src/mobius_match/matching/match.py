@@ -35,6 +35,7 @@ from .pieces.main_pair import choose_main_pair
 from .pieces.search import PieceSearch, without_preparation
 from .pieces.whole import with_all_pieces
 from .reading import aligned_matches, dense_map_of_part, dense_map_of_whole, part_matches, voted_matches
+from .reflection import costs, match_reflected
 
 
 def match(
@@ -105,6 +106,11 @@ def match(
     first, second = _prepared((source, target), chosen, settings, preset, cache, progress, parameters, clock)
     chosen, target_preparation, of_preparation = settings_used(chosen, first.settings, second.settings)
     again = partial(match, parameters=parameters, **without_preparation(chosen))
+    if chosen.reflect != "no":
+        recorded = {"reflect": chosen.reflect, "preset": preset}
+        all_pieces = {"pieces": "all"} if chosen.pieces == "all" else {}
+        run = partial(again, progress=progress, **{"reflect": "no"} | all_pieces)
+        return match_reflected(run, first, second, landmarks, parameters, recorded, clock)
     search = PieceSearch(again, chosen, parameters.surface, parameters.alignment, parameters.pieces)
     if landmarks is None and (of_main := choose_main_pair(first, second, search)) is not None:
         return with_all_pieces(*of_main, search)
@@ -162,6 +168,7 @@ def match(
             *of_handles,
             *choice_warnings(outcome.alignments, parameters.alignment),
         ),
+        _costs=partial(costs, first, second, outcome.votes, outcome.alignments, outcome.part, chosen, parameters),
         _make_alternatives=partial(_alternatives, first, second, outcome, chosen, parameters),
         _make_dense=partial(_dense_map, first, second, outcome, chosen, parameters, constraints),
         probability=outcome.probability,

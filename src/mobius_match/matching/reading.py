@@ -135,14 +135,26 @@ def dense_map_of_whole(
     """The dense map along the first alignment; without one, along the matches of the samples."""
     from ..alignments.dense import dense_map_of_alignment
 
-    constants = parameters.alignment
     if alignments:
-        return dense_map_of_alignment(source, target, alignments[0], constants)
+        return dense_map_of_alignment(source, target, alignments[0], parameters.alignment)
+    alignment = alignment_of_votes(source, target, votes, settings, parameters, constraints)
+    return dense_map_of_alignment(source, target, alignment, parameters.alignment)
+
+
+def alignment_of_votes(
+    source: Surface,
+    target: Surface,
+    votes: Votes,
+    settings: MatchSettings,
+    parameters: Parameters,
+    constraints: LandmarkConstraints | None = None,
+) -> Alignment:
+    """The alignment along the matches of the samples."""
+    constants = parameters.alignment
     pairs, _ = assign(votes.matrix, settings)
     pairs = pairs[: constants.clusters.most_matches]
     image = target.proxy[coarse_map(source, target, pairs, constants.coarse_map, constraints).argmax(axis=1)]
-    alignment = Alignment(image, {}, 0.0, 1.0, constraints=constraints)
-    return dense_map_of_alignment(source, target, alignment, constants)
+    return Alignment(image, {}, 0.0, 1.0, constraints=constraints)
 
 
 def process(

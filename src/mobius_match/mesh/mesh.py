@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +14,9 @@ from ..errors import MeshError
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
+
+MIRROR = np.array([-1.0, 1.0, 1.0])
+"""Factors of the coordinates of a mirror image."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,6 +91,17 @@ class Mesh:
             fill["sha256"] = _hash(vertices, faces)
         for field, value in fill.items():
             object.__setattr__(self, field, value)
+
+    def reflected(self) -> Mesh:
+        """The mirror image at the plane x = 0, with the same numbers and faces that point outward.
+
+        Returns
+        -------
+        Mesh
+            The mirror image. That of the mirror image is the mesh itself, to the last bit.
+        """
+        others = None if self.others is None else self.others.reflected()
+        return replace(self, vertices=self.vertices * MIRROR, faces=self.faces[:, [0, 2, 1]], others=others)
 
     def __repr__(self) -> str:
         return f"Mesh({self.name!r}, {len(self.vertices)} vertices, {len(self.faces)} faces)"

@@ -50,6 +50,8 @@ class Correspondence:
         proposals).
     given
         (Q,) bool: which matches are landmarks that the user gave, with confidence 1; None where none were given.
+    reflected
+        Whether it is the mirror image of the source that was matched. All coordinates are those of the user's meshes.
     source_info, target_info
         Path, SHA-256, numbers of vertices and faces, area and geodesic diameter of the two meshes.
     settings
@@ -81,6 +83,7 @@ class Correspondence:
     settings: dict[str, Any]
     target_points: SurfacePoints | None = None
     given: np.ndarray | None = None
+    reflected: bool = False
     timings: dict[str, float] = field(default_factory=dict)
     software: dict[str, str] = field(default_factory=dict)
     diagnostics: dict[str, float] = field(default_factory=dict)
@@ -90,6 +93,7 @@ class Correspondence:
     source: Surface | None = None
     target: Surface | None = None
     votes: Votes | None = None
+    _costs: Callable[[], dict[str, float]] | None = field(default=None, repr=False)
     _make_alternatives: Callable[[], tuple[Alternative, ...]] | None = field(default=None, repr=False)
     _make_dense: Callable[[], SurfaceMap] | None = field(default=None, repr=False)
 
@@ -191,6 +195,8 @@ class Correspondence:
             "diagnostics": self.diagnostics,
             "warnings": list(self.warnings),
         }
+        if self.reflected:
+            content["reflected"] = True
         if alternatives:
             content["alternatives"] = [
                 {
@@ -312,6 +318,7 @@ class Correspondence:
                 warnings=tuple(content.get("warnings", ())),
                 probability=_optional(content.get("probability")),
                 symmetry=content.get("symmetry"),
+                reflected=bool(content.get("reflected", False)),
                 _make_alternatives=partial(tuple, [_alternative(one) for one in content.get("alternatives", ())]),
             )
         except (KeyError, TypeError, ValueError, OverflowError) as error:

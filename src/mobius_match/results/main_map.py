@@ -35,7 +35,8 @@ def main_map(surface_map: SurfaceMap) -> tuple[SurfaceMap, np.ndarray, np.ndarra
     points, mapped = _restricted(surface_map, vertices1, vertices2, faces2)
     back, back_mapped = _restricted(surface_map.inverse, vertices2, vertices1, faces1)
     meshes = part_of_mesh(source, vertices1, faces1), part_of_mesh(target, vertices2, faces2)
-    return SurfaceMap(*meshes, points, back, mapped, back_mapped), vertices1, faces1
+    main = SurfaceMap(*meshes, points, back, mapped, back_mapped, reflected=surface_map.reflected)
+    return main, vertices1, faces1
 
 
 def _used(mesh: Mesh, faces: np.ndarray) -> np.ndarray:

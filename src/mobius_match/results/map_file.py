@@ -17,16 +17,18 @@ from ..mesh import Mesh
 FORMAT = "mobius-match/map"
 VERSION = 1
 
-Fields = tuple[Mesh, Mesh, SurfacePoints, SurfacePoints, np.ndarray, np.ndarray, np.ndarray | None, np.ndarray | None]
-"""Source and target, target points and source points, which vertices of source and target are mapped, and the carried
-positions of both."""
+Carried = np.ndarray | None
+Fields = tuple[Mesh, Mesh, SurfacePoints, SurfacePoints, np.ndarray, np.ndarray, Carried, Carried, bool]
+"""Source and target, target points and source points, which vertices of source and target are mapped, the carried
+positions of both, and whether the map is reflected."""
 
 
 def to_npz(
     meshes: tuple[Mesh, Mesh],
     points: tuple[SurfacePoints, SurfacePoints],
     mapped: tuple[np.ndarray, np.ndarray],
-    carried: tuple[np.ndarray | None, np.ndarray | None],
+    carried: tuple[Carried, Carried],
+    reflected: bool,
 ) -> bytes:
     """The content of the file."""
     buffer = io.BytesIO()
@@ -46,6 +48,8 @@ def to_npz(
         | {"n_file_vertices": mesh.n_file_vertices, "n_file_faces": mesh.n_file_faces}
         for side, mesh in sides
     }
+    if reflected:
+        head["reflected"] = True
     arrays |= {"found": mapped[0], "back_found": mapped[1], "head": np.array(json.dumps(head))}
     np.savez(buffer, allow_pickle=False, **arrays)
     return buffer.getvalue()
@@ -78,7 +82,8 @@ def read_npz(path: str | os.PathLike[str]) -> Fields:
             for side in ("points", "back")
         )
         carried = found.get("points_carried"), found.get("back_carried")
-        return source, target, target_points, source_points, found["found"], found["back_found"], *carried
+        mapped, reflected = (found["found"], found["back_found"]), bool(head.get("reflected", False))
+        return source, target, target_points, source_points, *mapped, *carried, reflected
     except (OSError, ValueError, KeyError, TypeError, EOFError, zipfile.BadZipFile) as error:
         if isinstance(error, FormatError):
             raise

@@ -11,11 +11,11 @@ import numpy as np
 
 from .._core.display import html_table, shortened
 from .._core.files import write_atomically
-from ..geometry.points import SurfacePoints, closest_points, points_at
+from ..geometry.points import SurfacePoints, points_at
 from ..mesh import Mesh
 from .functional import Eigenbasis, check_count, in_file_order, map_of_functions, repaired_eigenbasis
 from .map_file import read_npz, to_npz
-from .transferred import transferred_labels, transferred_values
+from .transferred import mapped_points, transferred_labels, transferred_values
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,6 +39,8 @@ class SurfaceMap:
         (n1, 3) and (n2, 3) float64, or None: positions beside the other surface, in its units, of the vertices of
         pieces that are not matched and are carried along with what they lie next to; NaN for all others. The points of
         these vertices are the images of the nearest points of the matched pieces.
+    reflected
+        Whether the map takes the mirror image of the source to the target, and so reverses orientation.
     """
 
     source: Mesh
@@ -49,6 +51,7 @@ class SurfaceMap:
     target_mapped: np.ndarray
     source_carried: np.ndarray | None = None
     target_carried: np.ndarray | None = None
+    reflected: bool = False
 
     def __repr__(self) -> str:
         return f"<SurfaceMap {self._title}: {self._mapped(self.source_mapped)}>"
@@ -83,6 +86,7 @@ class SurfaceMap:
             self.source_mapped,
             self.target_carried,
             self.source_carried,
+            self.reflected,
         )
 
     @cached_property
@@ -124,14 +128,7 @@ class SurfaceMap:
         mapped : numpy.ndarray
             (q,) bool: whether every corner whose weight is not zero has a counterpart.
         """
-        target, size = self.target, float(np.ptp(self.target.vertices, axis=0).max())
-        places = np.einsum("qc,qcd->qd", points.barycentric, self.target_points.values(target.vertices)[points.corners])
-        near = self.target_points.nearest[points.nearest]
-        images = closest_points(target.vertices / size, target.faces, places / size, near)
-        # A vertex goes exactly where its image is, whatever a search among the faces around would round to.
-        exact = np.flatnonzero(points.barycentric.max(axis=1) == 1.0)
-        images = images.replaced(exact, self.target_points[points.nearest[exact]])
-        return images, (self.source_mapped[points.corners] | (points.barycentric == 0)).all(axis=1)
+        return mapped_points(self.source_mapped, self.target, self.target_points, points)
 
     def with_pairs(self, here: np.ndarray, there: np.ndarray) -> SurfaceMap:
         """This map with the images of some vertices replaced by given ones, in both directions.
@@ -292,6 +289,7 @@ class SurfaceMap:
             (self.target_points, self.source_points),
             (self.source_mapped, self.target_mapped),
             (self.source_carried, self.target_carried),
+            self.reflected,
         )
 
     @classmethod

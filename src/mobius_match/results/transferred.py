@@ -1,11 +1,11 @@
-"""Values and labels transferred along a dense map: the work of the methods of :class:`.SurfaceMap`."""
+"""Points, values and labels transferred along a dense map: the work of the methods of :class:`.SurfaceMap`."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from ..errors import SettingsError
-from ..geometry.points import SurfacePoints
+from ..geometry.points import SurfacePoints, closest_points
 from ..mesh import Mesh
 
 
@@ -34,6 +34,20 @@ def transferred_labels(
     order = np.flatnonzero(mapped)[::-1]
     carried[target.face_ids[order]] = labels[source.face_ids[images.faces[order]]]
     return carried
+
+
+def mapped_points(
+    mapped: np.ndarray, target: Mesh, images: SurfacePoints, points: SurfacePoints
+) -> tuple[SurfacePoints, np.ndarray]:
+    """See :meth:`.SurfaceMap.map_points`: by the images (n1,) of the source's vertices."""
+    size = float(np.ptp(target.vertices, axis=0).max())
+    places = np.einsum("qc,qcd->qd", points.barycentric, images.values(target.vertices)[points.corners])
+    near = images.nearest[points.nearest]
+    found = closest_points(target.vertices / size, target.faces, places / size, near)
+    # A vertex goes exactly where its image is, whatever a search among the faces around would round to.
+    exact = np.flatnonzero(points.barycentric.max(axis=1) == 1.0)
+    found = found.replaced(exact, images[points.nearest[exact]])
+    return found, (mapped[points.corners] | (points.barycentric == 0)).all(axis=1)
 
 
 def _rows(values: np.ndarray, number: int, what: str, mesh: Mesh) -> np.ndarray:

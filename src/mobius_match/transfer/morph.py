@@ -9,6 +9,7 @@ triangles). At both ends the edges are those of the two shapes, so both ends are
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import replace
 
 import numpy as np
 import scipy.sparse as sp
@@ -21,6 +22,7 @@ from ..geometry.geodesics import bridges
 from ..geometry.rotations import nearest_rotations
 from ..mesh.measure import cross_products
 from ..mesh.topology import edges_of
+from ..results.reflected import with_mirrored_source
 from ..results.surface_map import SurfaceMap
 
 SMOOTHING = 3
@@ -36,7 +38,9 @@ def morph(surface_map: SurfaceMap, times: Iterable[float]) -> np.ndarray:
     Parameters
     ----------
     surface_map
-        The map; its ``source.faces`` are the faces of all the shapes.
+        The map; its ``source.faces`` are the faces of all the shapes. The shapes of a map that is reflected begin with
+        the mirror image of the source, at the plane through its centre, since a shape can only be flattened to become
+        its mirror image; their faces are ``source.reflected().faces``.
     times
         T times from 0, the source, to 1, the source's triangulation on the target.
 
@@ -56,8 +60,18 @@ def morph(surface_map: SurfaceMap, times: Iterable[float]) -> np.ndarray:
     times = np.array([float(time) for time in times])
     if not ((times >= 0) & (times <= 1)).all():
         raise SettingsError("`times` has a time outside 0 to 1; 0 is the source, 1 the target")
+    surface_map = oriented(surface_map)
     mesh = surface_map.source
     return interpolate(mesh.vertices, positions_on_target(surface_map), mesh.faces, times)
+
+
+def oriented(surface_map: SurfaceMap) -> SurfaceMap:
+    """A map that keeps the orientation: the map itself, or that of the mirror image of its source, in the same box."""
+    if not surface_map.reflected:
+        return surface_map
+    mirrored, x = with_mirrored_source(surface_map), surface_map.source.vertices[:, 0]
+    vertices = mirrored.source.vertices + np.array([x.min() + x.max(), 0.0, 0.0])
+    return replace(mirrored, source=replace(mirrored.source, vertices=vertices))
 
 
 def positions_on_target(surface_map: SurfaceMap) -> np.ndarray:

@@ -193,7 +193,8 @@ class Transfer:
     def positions(self) -> np.ndarray:
         """The positions of the source's vertices on the target.
 
-        With the source's faces they are the shape of the target in the source's triangulation.
+        With the source's faces they are the shape of the target in the source's triangulation; with those of
+        ``source.reflected()`` if the map is reflected, so that they point outward.
 
         Returns
         -------

@@ -108,9 +108,11 @@ def _content(result: Correspondence, dense: SurfaceMap | None, truth: Truth | No
         if truth is not None:
             content["colourings"].append(errors.of_map(dense))
     if result.votes is not None and result.source is not None and result.target is not None:
+        from ..surface.reflected import reflected
         from .insight import insight
 
-        votes = insight(result.source, result.target, result.votes, result.pairs)
+        source = reflected(result.source) if result.reflected else result.source
+        votes = insight(source, result.target, result.votes, result.pairs)
         if votes is not None:
             content["insight"] = votes
     return content

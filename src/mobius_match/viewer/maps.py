@@ -16,7 +16,7 @@ from ..exporting.result_meshes import vertices_numbered
 from ..exporting.scene import colours_of
 from ..mesh.appearance import Appearance, read_appearance
 from ..results.surface_map import SurfaceMap
-from ..transfer.morph import interpolate, positions_on_target
+from ..transfer.morph import interpolate, oriented, positions_on_target
 from ..transfer.transfer import Transfer
 from . import packing
 from .shapes import Side
@@ -173,12 +173,14 @@ def _add_morph(
         source_carried=_placed(dense.source_carried, dense.target.vertices, target.vertices),
         target_carried=None,
     )
-    start, end = source.vertices[source.kept], positions_on_target(placed)[source.kept]
+    placed = oriented(placed)  # the page mirrors the source in the same way
+    vertices = placed.source.vertices
+    start, end = vertices[source.kept], positions_on_target(placed)[source.kept]
     shapes = interpolate(start, end, source.faces, np.linspace(0, 1, FRAMES))[1:]
     content["morph"] = packing.quantised(shapes) | {"frames": FRAMES}
     tree = cKDTree(start)
     for packed, alignment in zip(content["alignments"], alignments, strict=True):
-        positions = source.vertices[vertices_numbered(source.mesh, alignment.pairs[:, 0])]
+        positions = vertices[vertices_numbered(source.mesh, alignment.pairs[:, 0])]
         nearest = tree.query(positions)[1] if len(positions) else np.empty(0, int)
         packed["moved"] = packing.packed(shapes[:, nearest] + (positions - start[nearest]), "<f4")
 

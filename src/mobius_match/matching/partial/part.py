@@ -41,6 +41,8 @@ class PartMatch:
         sample of what is missing.
     part, whole, registration, part_is_source
         The two surfaces in the same units, the part registered to the whole, and which of them is which.
+    cost
+        What :func:`.decision.choose_coverage` compares.
     """
 
     points: SurfacePoints
@@ -49,6 +51,7 @@ class PartMatch:
     whole: Surface
     registration: Registration
     part_is_source: bool
+    cost: float
 
     def __repr__(self) -> str:
         return one_line(self)
@@ -83,11 +86,12 @@ class Located:
         """Area of the part per area of the whole, at that size."""
         return float(self.pair.part.area * self.size**2 / self.pair.whole.area)
 
-    def match(self) -> PartMatch:
-        """The matches of the samples."""
+    def match(self, cost: float) -> PartMatch:
+        """The matches of the samples; the cost is that of this reading."""
         points, probabilities = (points_on_whole if self.part_is_source else points_on_part)(self.pair, self.placement)
         registration = self.placement.registration
-        return PartMatch(points, probabilities, self.pair.part, self.pair.whole, registration, self.part_is_source)
+        both = self.pair.part, self.pair.whole
+        return PartMatch(points, probabilities, *both, registration, self.part_is_source, cost)
 
 
 def locate_parts(

@@ -85,7 +85,7 @@ def choose_main_pair(
             continue
         pairs[i, j] = PiecePair(i, j, result, result.dense())
         costs[i, j] = map_cost(*surfaces_of(result), result.dense(), search.alignment.cost)
-    best = _best_assignment(list(prepared[0]), list(prepared[1]), pairs, costs)
+    best, cost = _best_assignment(list(prepared[0]), list(prepared[1]), pairs, costs)
     if not best:
         return None
     best = [
@@ -113,6 +113,7 @@ def choose_main_pair(
         source_info=source.info,
         target_info=target.info,
         warnings=(*main.result.warnings, *notes),
+        _costs=lambda: {"pieces": cost},
         _make_dense=lambda: main.dense,
     )
     return result, rest
@@ -138,11 +139,11 @@ def _best_assignment(
     there: list[int],
     pairs: dict[tuple[int, int], PiecePair],
     costs: dict[tuple[int, int], float],
-) -> list[PiecePair]:
-    """The pairs of the assignment of least cost; none if there is no match at all."""
+) -> tuple[list[PiecePair], float]:
+    """The pairs of the assignment of least cost, and the cost; none if there is no match at all."""
     swapped = len(here) > len(there)
     few, many = (there, here) if swapped else (here, there)
-    best, least = list[PiecePair](), np.inf
+    best, least = list[PiecePair](), float("inf")
     for order in permutations(many, len(few)):
         keys = [(j, i) if swapped else (i, j) for i, j in zip(few, order, strict=True)]
         if not all(key in pairs for key in keys):
@@ -151,4 +152,4 @@ def _best_assignment(
         total = float(np.mean([costs[key] for key in keys])) + arrangement_error(chosen)
         if total < least:
             best, least = chosen, total
-    return best
+    return best, least
