@@ -20,7 +20,7 @@ import mobius_match as mm
 from mobius_match.errors import FormatError
 from mobius_match.evaluation import Case, find_dataset
 from mobius_match.evaluation.scoring import Scorer, cached_diameter
-from mobius_match.matching.match import align
+from mobius_match.matching.outcome import align
 from mobius_match.matching.parameters import Parameters
 from mobius_match.registration.confidence import confidence_terms, distances_to_images
 from mobius_match.settings import MatchSettings

@@ -6,7 +6,7 @@ import json
 import os
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from functools import cached_property, partial
+from functools import cached_property
 from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -15,18 +15,16 @@ import numpy as np
 
 from .._core.display import ROWS, file_name, html_table
 from .._core.files import write_atomically
-from ..errors import FormatError, SettingsError
+from ..errors import SettingsError
 from ..geometry.points import SurfacePoints
 from .actions import action, is_result_file
-from .matches import Alternative, data_frame, from_rows, to_columns, to_rows
+from .matches import Alternative, data_frame, to_columns, to_rows
+from .result_file import FORMAT, VERSION, fields_of_file, row_of_alternative
 
 if TYPE_CHECKING:
     from ..surface.surface import Surface
     from ..voting.votes import Votes
     from .surface_map import SurfaceMap
-
-FORMAT = "mobius-match/correspondence"
-VERSION = 1
 
 
 @dataclass(frozen=True, eq=False)
@@ -188,6 +186,7 @@ class Correspondence:
             "target": self.target_info,
             "probability": self.probability,
             **({} if self.symmetry is None else {"symmetry": self.symmetry}),
+            **({"reflected": True} if self.reflected else {}),
             "correspondences": to_rows(self),
             "settings": self.settings,
             "timings": self.timings,
@@ -195,18 +194,8 @@ class Correspondence:
             "diagnostics": self.diagnostics,
             "warnings": list(self.warnings),
         }
-        if self.reflected:
-            content["reflected"] = True
         if alternatives:
-            content["alternatives"] = [
-                {
-                    "margin": one.margin,
-                    "share": one.share,
-                    **({} if np.isnan(one.probability) else {"probability": one.probability}),
-                    "correspondences": to_rows(one),
-                }
-                for one in self.alternatives
-            ]
+            content["alternatives"] = [row_of_alternative(one) for one in self.alternatives]
         return content
 
     def to_json(self) -> str:
@@ -294,42 +283,4 @@ class Correspondence:
         FormatError
             If the file cannot be read or is no result file of this version.
         """
-        try:
-            content = json.loads(Path(path).read_text(encoding="utf-8"))
-        except (OSError, ValueError) as error:
-            raise FormatError(f"{path}: not a readable result file ({error}); make one with mobius match -o") from error
-        if not isinstance(content, dict) or content.get("format") != FORMAT:
-            raise FormatError(f"{path}: not a result of mobius match; its 'format' should be '{FORMAT}'")
-        if content.get("version") != VERSION:
-            raise FormatError(
-                f"{path}: has version {content.get('version')!r} and this program reads {VERSION}; "
-                "make it again, or use the program that made it"
-            )
-        try:
-            rows = content["correspondences"]
-            return cls(
-                **from_rows(rows),
-                source_info=dict(content["source"]),
-                target_info=dict(content["target"]),
-                settings=dict(content["settings"]),
-                timings=dict(content["timings"]),
-                software=dict(content["software"]),
-                diagnostics=dict(content.get("diagnostics", {})),
-                warnings=tuple(content.get("warnings", ())),
-                probability=_optional(content.get("probability")),
-                symmetry=content.get("symmetry"),
-                reflected=bool(content.get("reflected", False)),
-                _make_alternatives=partial(tuple, [_alternative(one) for one in content.get("alternatives", ())]),
-            )
-        except (KeyError, TypeError, ValueError, OverflowError) as error:
-            raise FormatError(f"{path}: the result file is damaged ({error!r}); make it again") from error
-
-
-def _alternative(content: dict[str, Any]) -> Alternative:
-    margin, share, probability = float(content["margin"]), float(content["share"]), content.get("probability", "nan")
-    rows = from_rows(content["correspondences"])
-    return Alternative(**rows, margin=margin, share=share, probability=float(probability))
-
-
-def _optional(value: Any) -> float | None:
-    return None if value is None else float(value)
+        return cls(**fields_of_file(Path(path)))
