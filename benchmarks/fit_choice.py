@@ -45,7 +45,7 @@ RIGHT = 0.15
 AS_GOOD = 0.03
 """An alignment is wrong, too, if another one of the pair has a mean error smaller by this: two limbs are exchanged."""
 
-RIDGE = 1e-3
+RIDGE = 3e-3
 """Penalty of the squared weights of standardised terms, per pair."""
 
 MOST = 5
@@ -95,7 +95,7 @@ def record(source: Path, target: Path, truths: list[Truth]) -> tuple[np.ndarray,
     with threadpool_limits(limits=1, user_api="blas"):
         for one in candidates_of(first, second, parameters):
             registration = one.registered(first, second, parameters.alignment)
-            found = evidence(first, second, registration, parameters.alignment.cost, parameters.alignment.choice)
+            found = evidence(first, second, registration)
             rows.append([*found.values(), one.cost])
             errors.append(min((mean_error(first, second, registration.image, one) for one in truths), default=np.inf))
     return np.array(rows).reshape(-1, len(TERMS) + 1), np.array(errors)
@@ -166,7 +166,8 @@ def fitted(terms: list[np.ndarray], right: list[np.ndarray], weights: list[float
             gradient += weight * (design.T @ (chances - share / max(total, 1e-12)))
         return value, gradient
 
-    found = scipy.optimize.minimize(loss, np.zeros(len(middle) + 1), jac=True, method="L-BFGS-B").x
+    bounds = [(None, 0.0)] * len(middle) + [(None, None)]  # no term speaks for an alignment by being large
+    found = scipy.optimize.minimize(loss, np.zeros(len(bounds)), jac=True, method="L-BFGS-B", bounds=bounds).x
     slopes = found[:-1] / spread
     return np.append(slopes, found[-1] - slopes @ middle)
 

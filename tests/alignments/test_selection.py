@@ -41,7 +41,7 @@ def opposite(surface):
 def evidence_for(surface, image, target=None):
     target = target or surface
     registration = register(surface, target, image, PARAMETERS.registration)
-    return evidence(surface, target, registration, PARAMETERS.cost, PARAMETERS.choice)
+    return evidence(surface, target, registration)
 
 
 def test_nothing_speaks_against_the_identity(surface):

@@ -111,7 +111,7 @@ def likeliest(
     """The registration that the evidence is for."""
     if len(registrations) == 1:
         return registrations[0]
-    found = [evidence(source, target, one, parameters.cost, parameters.choice) for one in registrations]
+    found = [evidence(source, target, one) for one in registrations]
     return registrations[int(log_odds(found, parameters.choice).argmax())]
 
 

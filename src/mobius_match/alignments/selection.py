@@ -64,7 +64,7 @@ def _registered(
 
     def with_evidence(i: int, _: Progress) -> Alignment:
         registration = rivals[i].registered(source, target, parameters, candidates.jobs)
-        terms = evidence(source, target, registration, parameters.cost, parameters.choice)
+        terms = evidence(source, target, registration)
         return replace(rivals[i], registration=registration, evidence=terms)
 
     registered = map_threads(with_evidence, len(rivals), candidates.jobs, None)

@@ -156,7 +156,7 @@ def costs(
         if not alignments:
             alignments = [alignment_of_votes(source, target, votes, settings, parameters)]
         registration = alignments[0].registered(source, target, constants)
-        terms = evidence(source, target, registration, constants.cost, constants.choice)
+        terms = evidence(source, target, registration)
         found = {"registration": -float(log_odds([terms], constants.choice)[0])}
         if may_be_part(source, parameters.partial) or may_be_part(target, parameters.partial):
             error = whole_error(source, target, registration, parameters.partial)
