@@ -5,7 +5,8 @@ All instances of a kind are images of one template surface. That is what makes t
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field as default
+from dataclasses import dataclass
+from dataclasses import field as default
 
 import igl
 import numpy as np
@@ -245,6 +246,8 @@ def posed(template: Template, proportions: Proportions, turns: dict[str, Floats]
     """Vertices (n, 3) of the template as an individual in a pose."""
     start = template.vertices + proportions.bumps[:, None] * template.directions
     rest = _skinned(template, start, proportions.scale, {})
+    if not turns:
+        return rest
     bent = _skinned(template, start, proportions.scale, turns)
     return relaxed(rest, bent, template.faces, template.kind.reach, ROUNDS)
 

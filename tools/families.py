@@ -14,11 +14,13 @@ from pathlib import Path
 import igl
 import numpy as np
 import trimesh
-from bodies import Kind, Template, symmetry
+from bodies import Bone, Kind, Template, symmetry
+from implicit import surface
 from instances import Instance, individual, make
 from kinds_living import LIVING
 from kinds_objects import OBJECTS
 from relax import Floats, Ints
+from scipy.spatial.transform import Rotation
 
 from mobius_match.mesh.simplify import simplify
 
@@ -32,6 +34,7 @@ UNRELATED = (
     ("hand", "bird"), ("bone", "person"), ("molar", "cup"), ("pliers", "fish"), ("aeroplane", "spider"),
     ("bust", "chair"), ("lizard", "scissors"), ("teddy", "pliers"), ("armadillo", "table"), ("vase", "fish"),
 )  # fmt: skip
+WITH_SOLIDS = (("person", "ball"), ("person", "cube"), ("octopus", "ball"), ("chair", "cube"), ("fish", "ball"))
 
 
 class Family:
@@ -151,12 +154,26 @@ def write_related(families: dict[str, Family], folder: Path) -> None:
 
 
 def write_unrelated(families: dict[str, Family], folder: Path) -> None:
-    """A list of pairs of files, relative to the folder, of shapes that do not belong together."""
-    lines = []
-    for a, b in UNRELATED:
-        if a in families and b in families:
-            for number in range(min(len(families[a].instances), len(families[b].instances))):
-                lines.append(f"{a}/{families[a].name(number)}.ply {b}/{families[b].name(number)}.ply\n")
+    """A ball and a cube, and a list of pairs, relative to the folder, of shapes that do not belong together."""
+    (folder / "solids").mkdir(parents=True, exist_ok=True)
+    ball = trimesh.creation.icosphere(subdivisions=4)
+    _write_mesh(folder / "solids" / "ball.ply", ball.vertices, ball.faces)
+    side = Bone("side", "", (-0.5, 0, 0), (0.5, 0, 0), 0.5, 0.5, box=0.05)
+    vertices, faces = surface(np.array([side.solid()]), 0.025, Rotation.random(rng=0).as_matrix(), np.full(3, 0.5))
+    kept, faces, _ = simplify(vertices, faces, KNOWN)
+    _write_mesh(folder / "solids" / "cube.ply", vertices[kept], faces)
+    lines = [
+        f"{kind}/{families[kind].name(number)}.ply solids/{solid}.ply\n"
+        for kind, solid in WITH_SOLIDS
+        if kind in families
+        for number in range(len(families[kind].instances))
+    ]
+    lines += [
+        f"{a}/{families[a].name(number)}.ply {b}/{families[b].name(number)}.ply\n"
+        for a, b in UNRELATED
+        if a in families and b in families
+        for number in range(min(len(families[a].instances), len(families[b].instances)))
+    ]
     (folder / "unrelated.txt").write_text("".join(lines))
 
 
@@ -165,7 +182,7 @@ def main(arguments: list[str] | None = None) -> None:
     parser = argparse.ArgumentParser(description="Write families of shapes with exact truth.")
     parser.add_argument("out", type=Path, metavar="OUT", help="folder for them")
     parser.add_argument("--kinds", default="all", help=f"all, or some of these, with commas: {', '.join(KINDS)}")
-    parser.add_argument("--instances", type=int, default=6, help="of each kind (6)")
+    parser.add_argument("--instances", type=int, default=6, help="number of each kind (6)")
     parser.add_argument("--seed", type=int, default=0, help="another seed, other proportions, poses and meshes (0)")
     given = parser.parse_args(arguments)
     names = list(KINDS) if given.kinds == "all" else given.kinds.split(",")

@@ -12,13 +12,19 @@ WIDTH = 17  # numbers of one solid: kind, sign, head, tail, radii at both ends, 
 
 
 @jit
-def _smooth_union(points: np.ndarray, solids: np.ndarray, field: np.ndarray) -> None:
-    """The field of ``solids``, one after another, at each of the points."""
+def _smooth_union(points: np.ndarray, solids: np.ndarray, balls: np.ndarray, field: np.ndarray) -> None:
+    """The field of ``solids``, one after another, at each of the points; ``balls`` (k, 5) contain them."""
     for i in range(len(points)):
         value = 10.0  # farther than anything
         for k in range(len(solids)):
-            one = _solid(points[i, 0], points[i, 1], points[i, 2], solids[k])
             seam = solids[k, 10]
+            # What is farther away than the fillet is wide changes nothing.
+            x, y, z = points[i, 0] - balls[k, 0], points[i, 1] - balls[k, 1], points[i, 2] - balls[k, 2]
+            reach = seam + (value if solids[k, 1] > 0 else -value)
+            reach = balls[k, 3] + (reach * balls[k, 4] if reach > 0 else reach)
+            if reach < 0 or x * x + y * y + z * z > reach * reach:
+                continue
+            one = _solid(points[i, 0], points[i, 1], points[i, 2], solids[k])
             if solids[k, 1] > 0:
                 overlap = max(seam - abs(value - one), 0.0)
                 value = min(value, one)
@@ -74,8 +80,16 @@ def _solid(x: float, y: float, z: float, solid: np.ndarray) -> float:
 def field(points: Floats, solids: Floats) -> Floats:
     """Signed distance, of first order near the surface, of points (n, 3) to the smooth union of solids (k, WIDTH)."""
     values = np.empty(len(points))
-    _smooth_union(np.ascontiguousarray(points), solids, values)
+    _smooth_union(np.ascontiguousarray(points), solids, _balls(solids), values)
     return values
+
+
+def _balls(solids: Floats) -> Floats:
+    """Centre and radius of a ball around each solid, and how much its field may fall short of the distance."""
+    head, tail = solids[:, 2:5], solids[:, 5:8]
+    wide = np.where(solids[:, 0] == BOX, np.hypot(solids[:, 8], solids[:, 9]), solids[:, 8:10].max(axis=1))
+    radius = np.linalg.norm(tail - head, axis=1) / 2 + wide
+    return np.column_stack([(head + tail) / 2, radius, np.maximum(1, 0.6 / solids[:, 14])])
 
 
 def surface(solids: Floats, step: float, turn: Floats, shift: Floats) -> tuple[Floats, Ints]:

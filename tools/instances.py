@@ -1,6 +1,7 @@
 """One instance of a kind: an individual in a pose, meshed on its own."""
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import igl
 import numpy as np
@@ -122,6 +123,6 @@ def clipped(vertices: Floats, faces: Ints, height: float, snap: float) -> tuple[
                     cuts[key] = len(points)
                     points.append(vertices[key[0]] + share * (vertices[key[1]] - vertices[key[0]]))
                 polygon.append(cuts[key])
-        triangles += [(polygon[0], b, c) for b, c in zip(polygon[1:], polygon[2:], strict=False)]
+        triangles += [(polygon[0], b, c) for b, c in pairwise(polygon[1:])]
     used, numbered = np.unique(np.array(triangles), return_inverse=True)
     return np.array(points)[used], numbered.reshape(-1, 3)

@@ -125,9 +125,9 @@ def _legs(count: int, thin: float, reach: float, waist: float, long: float) -> l
         angle = np.radians(np.linspace(55, -55, count)[k])
         x, z = np.cos(angle), np.sin(angle)
         a = np.array([0.05, -0.02, waist * (1 - 2 * k / (count - 1)) * 0.5])
-        b = a + [reach * 0.35 * x, 0.10, reach * 0.35 * z]
-        c = b + [reach * 0.45 * x, -0.08, reach * 0.45 * z]
-        d = c + [reach * long * x, -0.18, reach * long * z]
+        b = a + np.array([reach * 0.35 * x, 0.10, reach * 0.35 * z])
+        c = b + np.array([reach * 0.45 * x, -0.08, reach * 0.45 * z])
+        d = c + np.array([reach * long * x, -0.18, reach * long * z])
         swing = ((-8, 8), (-16, 16), (-12, 14))
         bones += [
             B(f"coxa{k}.L", "thorax", tuple(a), tuple(b), thin * 1.3, thin * 1.1, 0.02, joint=swing, size="coxa"),

@@ -1,5 +1,7 @@
 """Tools, furniture, vessels and the like. They are rigid but for hinges, so their other joints turn little."""
 
+from itertools import pairwise
+
 import numpy as np
 from bodies import Bone, Kind
 
@@ -83,7 +85,7 @@ def glasses() -> Kind:
 def _lathe(name: str, profile: list[tuple[float, float]], wall: float, **more: object) -> Kind:
     """A hollow vessel of revolution: its outline as heights and radii."""
     bones = []
-    for k, ((low, r0), (high, r1)) in enumerate(zip(profile, profile[1:], strict=False)):
+    for k, ((low, r0), (high, r1)) in enumerate(pairwise(profile)):
         parent = f"part{k - 1}_" if k else ""
         bones.append(
             B(f"part{k}_", parent, (0, low, 0), (0, high, 0), r0, r1, 0.03 if k else 0, joint=(2, 0, 2), size=f"p{k}")
@@ -91,11 +93,9 @@ def _lathe(name: str, profile: list[tuple[float, float]], wall: float, **more: o
     outer = len(bones)
     # The cavity starts above the floor by its own round end.
     hollow = [(max(height, radius), radius - wall) for height, radius in profile]
-    hollow = [place for place, after in zip(hollow, hollow[1:], strict=False) if place[0] < after[0]] + hollow[-1:]
+    hollow = [place for place, after in pairwise(hollow) if place[0] < after[0]] + hollow[-1:]
     hollow[-1] = (hollow[-1][0] + 0.1, hollow[-1][1])
-    for k, ((low, r0), (high, r1)) in enumerate(
-        zip(hollow, hollow[1:], strict=False), start=len(profile) - len(hollow)
-    ):
+    for k, ((low, r0), (high, r1)) in enumerate(pairwise(hollow), start=len(profile) - len(hollow)):
         bones.append(B(f"inside{k}_", f"part{k}_", (0, low, 0), (0, high, 0), r0, r1, 0.015, carved=True, size=f"p{k}"))
     rim = profile[-1][0]
     bones.append(B("above", f"part{outer - 1}_", (0, rim, 0), (0, rim + 0.6, 0), 0.6, 0.6, 0.02, carved=True, box=0.01,
@@ -124,7 +124,7 @@ def mug() -> Kind:
     places = [(0.13, 0.36), (0.235, 0.37), (0.29, 0.29), (0.29, 0.19), (0.235, 0.11), (0.13, 0.10)]
     handle = [
         B(f"handle{k}", f"part{1 + (k < 3)}_", (0, b, a), (0, d, c), 0.03, 0.03, 0.02 if k in (0, 4) else 0.0, size=f"p{1 + (k < 3)}")
-        for k, ((a, b), (c, d)) in enumerate(zip(places, places[1:], strict=False))
+        for k, ((a, b), (c, d)) in enumerate(pairwise(places))
     ]  # fmt: skip
     outer = [bone for bone in plain.bones if not bone.carved]
     carved = [bone for bone in plain.bones if bone.carved]
