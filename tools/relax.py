@@ -18,20 +18,20 @@ REACH = 0.3  # metres; at this size holding to the skinned pose weighs as much a
 ROUNDS = 30
 
 
-def relaxed(rest: Floats, skinned: Floats, faces: Ints) -> Floats:
+def relaxed(rest: Floats, skinned: Floats, faces: Ints, reach: float = REACH, rounds: int = ROUNDS) -> Floats:
     """The skinned pose (n, 3) with lengths nearer to those at rest (n, 3)."""
     n = len(rest)
     start, end = igl.edges(faces).T
     start, end = np.hstack([start, end]), np.hstack([end, start])
     weight = np.maximum(csr_array(igl.cotmatrix(rest, faces))[start, end], 1e-3)
     link = csr_array((weight, (start, end)), shape=(n, n))
-    hold = igl.massmatrix(rest, faces).diagonal()[:, None] / REACH**2
+    hold = igl.massmatrix(rest, faces).diagonal()[:, None] / reach**2
     solver = splu((diags_array(link.sum(axis=1) + hold[:, 0]) - link).tocsc())
     at_start = csr_array((np.ones(len(start)), (start, np.arange(len(start)))), shape=(n, len(start)))
 
     edge = rest[start] - rest[end]
     posed = skinned
-    for _ in range(ROUNDS):
+    for _ in range(rounds):
         now = posed[start] - posed[end]
         spread = at_start @ (weight[:, None, None] * now[:, :, None] * edge[:, None, :]).reshape(-1, 9)
         left, _, right = np.linalg.svd(spread.reshape(-1, 3, 3))
