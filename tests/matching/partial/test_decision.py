@@ -9,6 +9,7 @@ import mobius_match as mm
 from mobius_match.matching.parameters import Parameters
 from mobius_match.matching.partial import decision
 from mobius_match.matching.partial.coverage import Coverage
+from mobius_match.matching.partial.part import PartMatch
 from mobius_match.registration.sparse import register
 from tests.shapes import bent, cap, disc, grid, icosphere, rotation
 
@@ -27,7 +28,7 @@ PARAMETERS = Parameters()
 )
 def test_coverage_of_two_surfaces_with_large_openings(monkeypatch, as_part, as_whole, cost, fit, expected):
     """By the error of distances times the cost of the placement, or of the map that wholes are registered along."""
-    sheet, match = mm.prepare(bent(grid(16, 13))), object()
+    sheet, match = mm.prepare(bent(grid(16, 13))), PartMatch(*[object()] * 6)
     located = SimpleNamespace(match=lambda: match, placement=SimpleNamespace(cost=1.0))
     monkeypatch.setattr(decision, "part_error", lambda _: as_part)
     monkeypatch.setattr(decision, "whole_error", lambda *_: as_whole)
@@ -38,7 +39,7 @@ def test_coverage_of_two_surfaces_with_large_openings(monkeypatch, as_part, as_w
     constants = PARAMETERS.partial, PARAMETERS.alignment
     coverage, found, notes = decision.choose_coverage(sheet, sheet, lambda: [located], [alignment], *constants)
     assert coverage is expected
-    assert found is (match if expected is Coverage.PART else None)
+    assert found is None if expected is not Coverage.PART else (found.points, found.cost) == (match.points, as_part)
     assert f"cost {cost * as_whole:.3g} as wholes, 0.2 as a part" in notes[0]
     assert any("both have large openings" in note for note in notes) == (expected is Coverage.BOTH_INCOMPLETE)
     ball = mm.prepare(icosphere(2))

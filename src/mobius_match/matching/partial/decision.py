@@ -7,6 +7,7 @@ cost.
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 import scipy
@@ -72,7 +73,7 @@ def choose_coverage(
         compared = f"cost {as_whole:.3g} as wholes, {costs[best]:.3g} as a part"
         as_part = as_whole > parameters.part_advantage * costs[best]
         if as_part and not (registration and fit_as_wholes(source, target, registration, parts[best])):
-            return Coverage.PART, parts[best].match(costs[best]), part_notes(parts[best], compared)
+            return Coverage.PART, replace(parts[best].match(), cost=costs[best]), part_notes(parts[best], compared)
         notes.append(f"{' and '.join(open_ones)}: {AS_WHOLE} ({compared})")
     if registration is None or len(open_ones) < 2:
         return Coverage.WHOLE, None, notes

@@ -42,7 +42,7 @@ class PartMatch:
     part, whole, registration, part_is_source
         The two surfaces in the same units, the part registered to the whole, and which of them is which.
     cost
-        What :func:`.decision.choose_coverage` compares.
+        What :func:`.decision.choose_coverage` compares; infinite before it has.
     """
 
     points: SurfacePoints
@@ -51,7 +51,7 @@ class PartMatch:
     whole: Surface
     registration: Registration
     part_is_source: bool
-    cost: float
+    cost: float = np.inf
 
     def __repr__(self) -> str:
         return one_line(self)
@@ -86,12 +86,11 @@ class Located:
         """Area of the part per area of the whole, at that size."""
         return float(self.pair.part.area * self.size**2 / self.pair.whole.area)
 
-    def match(self, cost: float) -> PartMatch:
-        """The matches of the samples; the cost is that of this reading."""
+    def match(self) -> PartMatch:
+        """The matches of the samples."""
         points, probabilities = (points_on_whole if self.part_is_source else points_on_part)(self.pair, self.placement)
         registration = self.placement.registration
-        both = self.pair.part, self.pair.whole
-        return PartMatch(points, probabilities, *both, registration, self.part_is_source, cost)
+        return PartMatch(points, probabilities, self.pair.part, self.pair.whole, registration, self.part_is_source)
 
 
 def locate_parts(
