@@ -143,7 +143,7 @@ def test_no_is_what_it_was(left, right, plain, twin):
 def test_auto_finds_a_mirror_image(left, right, mirrored):
     result = mm.match(left, right, seed=0, reflect="auto")
     assert result.reflected and result.diagnostics["reflected probability"] > 0.99
-    assert result.warnings[-1].startswith("left: its mirror image was matched (probability 1")
+    assert result.warnings[-1].startswith("left: its mirror image was matched (probability 0.99")
     np.testing.assert_array_equal(result.pairs, mirrored.pairs)
 
 

@@ -183,11 +183,11 @@ class ChoiceParameters:
     """A model of the probability of each alignment: a conditional logistic one, in which none may be right."""
 
     weights: Evidence[float] = parameter(
-        Evidence(-4.62, -9.02, -19.0, -8.43, -18.9, -5.14, -141.0, -78.1),
+        Evidence(-4.58, -8.86, -21.0, -8.21, -19.1, -5.04, -140.0, -78.5),
         "weight of each term of the evidence",
         origin="fitted by `benchmarks/fit_choice.py`",
     )
-    offset: float = parameter(16.7, "score of an alignment that nothing speaks against", origin="as the weights")
+    offset: float = parameter(17.0, "score of an alignment that nothing speaks against", origin="as the weights")
 
 
 @dataclass(frozen=True)
@@ -208,7 +208,7 @@ class SelectionParameters:
     )
     most_contenders: int = parameter(4, "candidates compared at most", origin="time")
     doubted_below: float = parameter(
-        0.7, "probability of the chosen alignment below which users are warned", origin=HAND
+        0.5, "probability of the chosen alignment below which users are warned", origin="more likely wrong than right"
     )
     close_cost: float = parameter(
         0.3, "difference in cost below which two readings of handles fit equally well", origin=HAND
