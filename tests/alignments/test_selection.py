@@ -157,3 +157,13 @@ def test_motions_lay_a_turned_ellipsoid_over_itself_in_all_ways():
         for image in images
     ]
     assert max(gaps) < 0.05
+
+
+def test_the_symmetry_of_an_ellipsoid_is_named():
+    """Three half turns and the identity take it to itself; the four alignments share the probability."""
+    result = mm.match(ellipsoid((1.0, 0.7, 0.45), 3), ellipsoid((2.0, 1.4, 0.9), 4), seed=0)
+    assert result.symmetry == {"order": 4}
+    assert result.probability > 0.9
+    assert result.confidence.max() > 0.8
+    assert any("look the same in 4 alignments" in warning for warning in result.warnings)
+    assert result.to_dict()["symmetry"] == {"order": 4}

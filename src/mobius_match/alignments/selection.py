@@ -38,8 +38,11 @@ def choose_alignment(candidates: Candidates, found: list[Alignment]) -> list[Ali
     rivals = with_probabilities(rivals, candidates.parameters)
     if not rivals:
         return []
+    if len(equivalent(candidates, rivals)) + 1 >= selection.most_contenders:  # there may be more of them
+        more, left = _registered(candidates, left, differ)
+        rivals = with_probabilities(rivals + more, candidates.parameters)
     chosen, *others = rivals
-    same = equivalent(candidates, chosen, others)
+    same = equivalent(candidates, rivals)
     chosen = replace(chosen, probability=chosen.probability + sum(one.probability for one in same), order=1 + len(same))
     if differ:
         # What was registered once is where the repetition starts.
@@ -71,12 +74,13 @@ def _registered(
     return with_probabilities(registered, parameters), found[len(rivals) :]
 
 
-def equivalent(candidates: Candidates, chosen: Alignment, others: list[Alignment]) -> list[Alignment]:
-    """The alignments that differ from the chosen one by a symmetry of the source, by which all are as right as it.
+def equivalent(candidates: Candidates, alignments: list[Alignment]) -> list[Alignment]:
+    """The alignments that differ from the first one by a symmetry of the source, by which all are as right as it.
 
-    Such a one is about as likely as the chosen one, and takes the source to itself, forth by the one and back by the
+    Such a one is about as likely as the first one, and takes the source to itself, forth by the one and back by the
     other, as to a shape in another pose at most.
     """
+    chosen, *others = alignments
     source, parameters = candidates.source, candidates.parameters
     if chosen.registration is None:
         return []
