@@ -46,12 +46,12 @@ def aligned_matches(
 
     A sample that section 8 pairs with a sample near its place is voted, and so are the points of the proxy that are
     nearest to it; other places are recovered: they follow from all others. Confidence is the probability of a place,
-    were the alignment right, times that of the alignment and the factor.
+    were the alignment right, times the factor and the probability of the alignment.
     """
     registration = alignment.registered(source, target, parameters.alignment)
     distances = distances_to_images(source, target, registration)
     confidence = parameters.alignment.registration.confidence
-    probability = match_probabilities(source, target, registration, distances, confidence)
+    probability = factor * match_probabilities(source, target, registration, distances, confidence)
     scale = target.scale
     points = closest_points(
         target.mesh.vertices / scale, target.mesh.faces, registration.positions / scale, registration.image
@@ -61,9 +61,16 @@ def aligned_matches(
     radius = settings.recovery_radius or MatchSettings.recovery_radius
     voted[pairs[:, 0]] = distances[pairs[:, 0], pairs[:, 1]] <= radius * target.diameter
     voted = voted[source.proxy_distances.argmin(axis=0)]
-    factor *= alignment.probability
     return _reported(
-        source, target, source.proxy, points, probability, voted, settings, factor, distances=source.proxy_geodesics
+        source,
+        target,
+        source.proxy,
+        points,
+        probability,
+        voted,
+        settings,
+        of_alignment=alignment.probability,
+        distances=source.proxy_geodesics,
     )
 
 
@@ -81,17 +88,17 @@ def _reported(
     probability: np.ndarray,
     voted: np.ndarray,
     settings: MatchSettings,
-    factor: float = 1.0,
+    of_alignment: float = 1.0,
     distances: np.ndarray | None = None,
 ) -> dict[str, Any]:
     """The likely ones among the places of source vertices (q,), the most confident first, no target vertex twice.
 
-    Confidence is the probability times the factor. By default the probability alone decides on what is reported, so
-    that a doubtful alignment can be looked at.
+    Confidence is the probability times that of the alignment. By default the first alone decides on what is reported,
+    so that a doubtful alignment can be looked at.
     With distances (q, q) between the vertices per sqrt(area), those that are not samples keep the spacing from all
     samples and from each other; the more confident one stays.
     """
-    confidence = factor * probability
+    confidence = of_alignment * probability
     likely = probability >= LEAST_PROBABILITY if settings.threshold is None else confidence >= settings.threshold
     kept = np.flatnonzero(likely & (voted | (settings.recovery_radius > 0)))
     kept = kept[np.argsort(-probability[kept], kind="stable")]
