@@ -21,8 +21,7 @@ from scipy.spatial.transform import Rotation
 from mobius_match.mesh.simplify import simplify
 
 Range = float | tuple[float, float]  # degrees: up to so many in both directions, or from one to the other
-FINE = 15000  # vertices of the marching cubes, about
-TEMPLATE = 6000  # vertices of a template
+FINE = 2.5  # times as many vertices as the largest instance has, in the marching cubes
 ROUNDS = 5  # of the relaxation of a pose
 INHERITED, OWN = 0.5, 0.75  # share of the parent's proportions in those of a bone, and of its own
 
@@ -106,18 +105,19 @@ def projected(points: Floats, solids: Floats) -> Floats:
 class Template:
     """The surface of a kind at rest, with skin."""
 
-    def __init__(self, kind: Kind) -> None:
+    def __init__(self, kind: Kind, count: int) -> None:
+        """``count`` is the number of vertices, and the most that an instance has."""
         self.kind = kind
         self.bones = kind.all_bones()
         self.solids = np.array([bone.solid() for bone in self.bones])
         still = np.eye(3), np.full(3, 0.5)
         step = 0.02
-        for _ in range(2):  # so fine that the surface has about FINE vertices
+        for _ in range(2):  # so fine that the surface has so many vertices, about
             vertices, faces = surface(self.solids, step, *still)
-            step *= np.sqrt(len(vertices) / FINE)
+            step *= np.sqrt(len(vertices) / (FINE * count))
         self.step = step
         vertices, faces = surface(self.solids, step, *still)
-        kept, self.faces, _ = simplify(vertices, faces, TEMPLATE)
+        kept, self.faces, _ = simplify(vertices, faces, count)
         self.vertices = projected(vertices[kept], self.solids)
         depth = np.column_stack([_depth(self.vertices, row) for row in self.solids])
         nearest = depth.argmin(axis=1)
