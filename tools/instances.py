@@ -18,6 +18,7 @@ from mobius_match.mesh.simplify import simplify
 CALMER = 0.7  # how much less a pose bends after one in which parts of the body overlap
 FOLDED = 0.001  # of the faces may lie inside others, in creases of the skin
 MILDER = 0.9  # the same for proportions
+SHARPEST = np.radians(0.2)  # angle of a triangle
 TRIES = 8
 
 
@@ -96,10 +97,12 @@ def overlaps(vertices: Floats, faces: Ints) -> bool:
 
 
 def _is_sound(vertices: Floats, faces: Ints, kind: Kind) -> bool:
-    """Closed, or with one boundary where the kind is open; in one piece, of its genus, oriented outward."""
+    """Closed, or with one boundary where the kind is open; in one piece, of its genus, outward, without slivers."""
     mesh = trimesh.Trimesh(vertices, faces, process=False)
     euler = 2 - 2 * kind.genus - (kind.cut is not None)
     if mesh.euler_number != euler or mesh.body_count != 1 or not mesh.is_winding_consistent:
+        return False
+    if mesh.face_angles.min() < SHARPEST:
         return False
     return kind.cut is not None or (mesh.is_watertight and mesh.volume > 0)
 
