@@ -21,8 +21,7 @@ from scipy.spatial.transform import Rotation
 from mobius_match.mesh.simplify import simplify
 
 Range = float | tuple[float, float]  # degrees: up to so many in both directions, or from one to the other
-FINE = 15000  # vertices of the marching cubes, about
-TEMPLATE = 6000  # vertices of a template
+FINE = 2.5  # times as many vertices as the largest instance has, in the marching cubes
 ROUNDS = 5  # of the relaxation of a pose
 INHERITED, OWN = 0.5, 0.75  # share of the parent's proportions in those of a bone, and of its own
 
@@ -82,6 +81,7 @@ class Kind:
     smooth: bool = False  # whether every turn about the axis is a symmetry
     length: float = 1.5  # proportions vary up to this factor, both ways
     thickness: float = 1.4
+    variety: Sequence[float] = (8, 8, 8)  # degrees about x, y, z by which bones of individuals are turned at rest
     bumps: float = 0.2  # height of local bumps in radii of the solid below
     genus: int = 0
     cut: float | None = None  # an open kind: what lies below this height is cut off
@@ -105,18 +105,19 @@ def projected(points: Floats, solids: Floats) -> Floats:
 class Template:
     """The surface of a kind at rest, with skin."""
 
-    def __init__(self, kind: Kind) -> None:
+    def __init__(self, kind: Kind, count: int) -> None:
+        """``count`` is the number of vertices, and the most that an instance has."""
         self.kind = kind
         self.bones = kind.all_bones()
         self.solids = np.array([bone.solid() for bone in self.bones])
         still = np.eye(3), np.full(3, 0.5)
         step = 0.02
-        for _ in range(2):  # so fine that the surface has about FINE vertices
+        for _ in range(2):  # so fine that the surface has so many vertices, about
             vertices, faces = surface(self.solids, step, *still)
-            step *= np.sqrt(len(vertices) / FINE)
+            step *= np.sqrt(len(vertices) / (FINE * count))
         self.step = step
         vertices, faces = surface(self.solids, step, *still)
-        kept, self.faces, _ = simplify(vertices, faces, TEMPLATE)
+        kept, self.faces, _ = simplify(vertices, faces, count)
         self.vertices = projected(vertices[kept], self.solids)
         depth = np.column_stack([_depth(self.vertices, row) for row in self.solids])
         nearest = depth.argmin(axis=1)
@@ -196,6 +197,7 @@ class Proportions:
     """How an individual differs from the mean of its kind."""
 
     scale: dict[str, tuple[float, float]]  # of a group of bones: length, thickness
+    turns: dict[str, Floats]  # of bones at rest, rotation vectors in degrees
     bumps: Floats  # (n,) heights at the vertices of the template
 
 
@@ -209,6 +211,14 @@ def draw_proportions(template: Template, rng: np.random.Generator, strength: flo
         power = INHERITED * powers[group.get(bone.parent, "")] + OWN * rng.uniform(-1, 1, 2)
         along, across = strength * powers.setdefault(bone.group(), power)
         scale.setdefault(bone.group(), (kind.length**along, kind.thickness**across))
+    turns: dict[str, Floats] = {}
+    for bone in template.bones:
+        turn = strength * np.multiply(kind.variety, rng.uniform(-1, 1, 3))
+        if bone.name.endswith(".R"):
+            turn = turns[bone.name[:-1] + "L"] * [1, -1, -1]
+        elif kind.mirror and not bone.name.endswith(".L"):
+            turn = turn * [1, 0, 0]
+        turns[bone.name] = turn * (not bone.carved)
     bumps = np.zeros(len(template.vertices))
     words = ["turn0"] if kind.turns == 1 or kind.smooth else [f"turn{k}" for k in range(kind.turns)]
     words += ["sym"] if kind.mirror else []
@@ -218,7 +228,7 @@ def draw_proportions(template: Template, rng: np.random.Generator, strength: flo
         places = [symmetry(kind, word) @ template.vertices[centre] for word in words]
         if not kind.smooth:
             bumps += height * np.max([_bump(template.vertices - place, spread) for place in places], axis=0)
-    return Proportions(scale, bumps * template.radius)
+    return Proportions(scale, turns, bumps * template.radius)
 
 
 def _bump(away: Floats, spread: float) -> Floats:
@@ -245,10 +255,11 @@ def draw_pose(template: Template, rng: np.random.Generator) -> dict[str, Floats]
 def posed(template: Template, proportions: Proportions, turns: dict[str, Floats]) -> Floats:
     """Vertices (n, 3) of the template as an individual in a pose."""
     start = template.vertices + proportions.bumps[:, None] * template.directions
-    rest = _skinned(template, start, proportions.scale, {})
+    rest = _skinned(template, start, proportions.scale, proportions.turns)
     if not turns:
         return rest
-    bent = _skinned(template, start, proportions.scale, turns)
+    both = {name: turn + proportions.turns[name] for name, turn in turns.items()}
+    bent = _skinned(template, start, proportions.scale, both)
     return relaxed(rest, bent, template.faces, template.kind.reach, ROUNDS)
 
 
@@ -261,7 +272,7 @@ def _skinned(
     offset: dict[str, Floats] = {"": np.zeros(3)}
     moved = np.zeros_like(start)
     for column, bone in enumerate(template.bones):
-        turn = Rotation.from_rotvec(turns.get(bone.name, np.zeros(3)), degrees=True).as_matrix()
+        turn = Rotation.from_rotvec(turns[bone.name], degrees=True).as_matrix()
         rotation[bone.name] = rotation[bone.parent] @ turn
         length, thickness = scale[bone.group()]
         axis = np.subtract(bone.tail, bone.head)

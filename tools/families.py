@@ -25,7 +25,8 @@ from scipy.spatial.transform import Rotation
 from mobius_match.mesh.simplify import simplify
 
 KINDS: dict[str, Kind] = {kind.name: kind for kind in (kind() for kind in LIVING + OBJECTS)}
-KNOWN = 2500  # points whose vertices are listed, about
+VERTICES = (2000, 6000)  # of an instance, fewest and most
+KNOWN = 2500  # points whose vertices are listed, at most
 POSES = 2  # of one individual
 RELATED = ("person", "quadruped", "longneck", "lizard", "armadillo", "teddy")
 """Kinds with head, limbs and trunk, whose landmarks of one name belong together."""
@@ -40,15 +41,16 @@ WITH_SOLIDS = (("person", "ball"), ("person", "cube"), ("octopus", "ball"), ("ch
 class Family:
     """A kind and some of its instances."""
 
-    def __init__(self, kind: Kind, instances: int, seed: int) -> None:
+    def __init__(self, kind: Kind, instances: int, seed: int, vertices: tuple[int, int] = VERTICES) -> None:
         self.kind = kind
-        self.template = Template(kind)
+        self.template = Template(kind, vertices[1])
         self.instances: list[Instance] = []
         rng = np.random.default_rng([seed, zlib.crc32(kind.name.encode())])
         for number in range(instances):
             if number % POSES == 0:
                 proportions = individual(self.template, rng)
-            self.instances.append(make(self.template, proportions, rng))
+            count = int(rng.integers(vertices[0], vertices[1] + 1))
+            self.instances.append(make(self.template, proportions, count, rng))
         self.pairs = [pair if rng.random() < 0.5 else pair[::-1] for pair in combinations(range(instances), 2)]
 
     def name(self, number: int) -> str:
@@ -184,6 +186,7 @@ def main(arguments: list[str] | None = None) -> None:
     parser.add_argument("--kinds", default="all", help=f"all, or some of these, with commas: {', '.join(KINDS)}")
     parser.add_argument("--instances", type=int, default=6, help="number of each kind (6)")
     parser.add_argument("--seed", type=int, default=0, help="another seed, other proportions, poses and meshes (0)")
+    parser.add_argument("--vertices", type=int, nargs=2, default=VERTICES, metavar=("FEWEST", "MOST"), help="of a mesh")
     given = parser.parse_args(arguments)
     names = list(KINDS) if given.kinds == "all" else given.kinds.split(",")
     unknown = [name for name in names if name not in KINDS]
@@ -191,7 +194,7 @@ def main(arguments: list[str] | None = None) -> None:
         parser.error(f"no such kinds: {', '.join(unknown)}; there are {', '.join(KINDS)}")
     families = {}
     for name in names:
-        families[name] = Family(KINDS[name], given.instances, given.seed)
+        families[name] = Family(KINDS[name], given.instances, given.seed, tuple(given.vertices))
         families[name].write(given.out / name)
     write_related(families, given.out)
     write_unrelated(families, given.out)

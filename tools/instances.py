@@ -1,6 +1,7 @@
 """One instance of a kind: an individual in a pose, meshed on its own."""
 
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import pairwise
 
 import igl
@@ -14,10 +15,10 @@ from scipy.spatial.transform import Rotation
 
 from mobius_match.mesh.simplify import simplify
 
-FEWEST, MOST = 2000, 6000  # vertices of an instance
 CALMER = 0.7  # how much less a pose bends after one in which parts of the body overlap
 FOLDED = 0.001  # of the faces may lie inside others, in creases of the skin
 MILDER = 0.9  # the same for proportions
+SHARPEST = np.radians(0.2)  # angle of a triangle
 TRIES = 8
 
 
@@ -31,15 +32,16 @@ class Instance:
     barycentric: Floats  # (k, 3) and where on it
     posed: Floats  # (n, 3) vertices of the template in the place of this instance
 
-    def normals(self) -> Floats:
-        """Unit normals at the vertices (k, 3)."""
-        return igl.per_vertex_normals(self.vertices, self.faces)
-
     def vertices_at(self, points: Floats, normals: Floats) -> Ints:
         """The vertex nearest to each point (j, 3) whose normal agrees with the point's."""
-        scale = 2 * np.sqrt(trimesh.triangles.area(self.vertices[self.faces]).sum() / len(self.vertices))
-        tree = cKDTree(np.hstack([self.vertices, scale * self.normals()]))
+        tree, scale = self._tree
         return tree.query(np.hstack([points, scale * normals]))[1].astype(np.int64)
+
+    @cached_property
+    def _tree(self) -> tuple[cKDTree, float]:
+        """The vertices with their normals, which count as much as two edges."""
+        scale = 2 * np.sqrt(trimesh.triangles.area(self.vertices[self.faces]).sum() / len(self.vertices))
+        return cKDTree(np.hstack([self.vertices, scale * igl.per_vertex_normals(self.vertices, self.faces)])), scale
 
 
 def individual(template: Template, rng: np.random.Generator) -> Proportions:
@@ -51,8 +53,8 @@ def individual(template: Template, rng: np.random.Generator) -> Proportions:
     raise RuntimeError(f"{template.kind.name}: parts of the body overlap in all proportions")
 
 
-def make(template: Template, proportions: Proportions, rng: np.random.Generator) -> Instance:
-    """An individual in a new pose, on a new triangulation, in a new place."""
+def make(template: Template, proportions: Proportions, count: int, rng: np.random.Generator) -> Instance:
+    """An individual in a new pose and place, on a new triangulation of so many vertices."""
     turns = draw_pose(template, rng)
     for _ in range(TRIES):
         placed = posed(template, proportions, turns)
@@ -63,7 +65,7 @@ def make(template: Template, proportions: Proportions, rng: np.random.Generator)
         raise RuntimeError(f"{template.kind.name}: parts of the body overlap in every pose")
     placed = placed @ Rotation.random(rng=rng).as_matrix().T * rng.uniform(0.5, 2)
     for _ in range(TRIES):
-        vertices, faces, at, where = _triangulated(template, placed, int(rng.integers(FEWEST, MOST + 1)), rng)
+        vertices, faces, at, where = _triangulated(template, placed, count, rng)
         if _is_sound(vertices, faces, template.kind):
             return Instance(vertices, faces, at, where, placed)
     raise RuntimeError(f"{template.kind.name}: no sound mesh was found")
@@ -95,10 +97,12 @@ def overlaps(vertices: Floats, faces: Ints) -> bool:
 
 
 def _is_sound(vertices: Floats, faces: Ints, kind: Kind) -> bool:
-    """Closed, or with one boundary where the kind is open; in one piece, of its genus, oriented outward."""
+    """Closed, or with one boundary where the kind is open; in one piece, of its genus, outward, without slivers."""
     mesh = trimesh.Trimesh(vertices, faces, process=False)
     euler = 2 - 2 * kind.genus - (kind.cut is not None)
     if mesh.euler_number != euler or mesh.body_count != 1 or not mesh.is_winding_consistent:
+        return False
+    if mesh.face_angles.min() < SHARPEST:
         return False
     return kind.cut is not None or (mesh.is_watertight and mesh.volume > 0)
 

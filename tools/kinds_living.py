@@ -203,7 +203,7 @@ def octopus() -> Kind:
                 B(f"arm{k}_{j}", parent, tuple(head), tuple(tail), radii[j], radii[j + 1], 0.0 if j else 0.03,
                   joint=(0, 6 if j == 0 else 18, 0), hinge=(tuple(side), -22, 22), size="arm")
             )  # fmt: skip
-    return Kind("octopus", bones, {"head": (0, 0.49, 0)}, turns=8, bumps=0.1)
+    return Kind("octopus", bones, {"head": (0, 0.49, 0)}, turns=8, bumps=0.1, variety=(0, 0, 0))
 
 
 def fish() -> Kind:
@@ -351,7 +351,7 @@ def bust() -> Kind:
         "head": (0, 0.76, 0.0), "nose": (0, 0.5, 0.23), "ear.L": (0.17, 0.53, 0), "chest": (0, 0.1, 0.11),
         "neck": (0, 0.31, -0.09), "back": (0, 0.1, -0.11),
     }  # fmt: skip
-    return Kind("bust", bones, landmarks, length=1.25, thickness=1.25)
+    return Kind("bust", bones, landmarks, length=1.3, thickness=1.3)
 
 
 LIVING = (person, quadruped, longneck, bird, ant, spider, octopus, fish, hand, teddy, lizard, armadillo, bust)

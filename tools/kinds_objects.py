@@ -39,7 +39,14 @@ def pliers() -> Kind:
           hinge=((0, 0, 1), -4, 22), together="-open", size="jaw"),
         B("jaw2_.L", "jaw1_.L", (0.062, 0.12, 0), (0.036, 0.27, 0), 0.034, 0.018, 0.0, (0, 0, 1), 0.9, size="jaw"),
     ]  # fmt: skip
-    return Kind("pliers", bones, {"handle.L": (0.08, -0.55, 0), "jaw.L": (0.035, 0.29, 0)}, turns=2, bumps=0.08)
+    return Kind(
+        "pliers",
+        bones,
+        {"handle.L": (0.08, -0.55, 0), "jaw.L": (0.035, 0.29, 0)},
+        turns=2,
+        bumps=0.08,
+        variety=(0, 0, 10),
+    )
 
 
 def _ring(name: str, parent: str, centre: tuple, radius: float, thin: float, size: str) -> list[Bone]:
@@ -64,7 +71,7 @@ def scissors() -> Kind:
           **turn),
     ]  # fmt: skip
     return Kind(
-        "scissors", bones, {"blade.L": (0.087, 0.44, 0)}, turns=2, bumps=0.05, genus=2, length=1.3, thickness=1.25
+        "scissors", bones, {"blade.L": (0.087, 0.44, 0)}, turns=2, bumps=0.05, genus=2, length=1.5, variety=(0, 0, 3)
     )
 
 
@@ -78,7 +85,7 @@ def glasses() -> Kind:
         B("temple2_.L", "temple1_.L", (0.415, 0, -0.28), (0.405, 0, -0.48), 0.02, 0.02, 0.0, joint=(4, 4, 0), size="temple"),
         B("hook.L", "temple2_.L", (0.405, 0, -0.48), (0.39, 0.0, -0.62), 0.02, 0.024, 0.0, joint=((-40, -10), 5, 0)),
     ]  # fmt: skip
-    return Kind("glasses", bones, {"temple.L": (0.39, 0, -0.65), "lens.L": (0.23, 0, 0.03)}, turns=2, axis=(0, 0, 1),
+    return Kind("glasses", bones, {"temple.L": (0.39, 0, -0.65), "lens.L": (0.23, 0, 0.03)}, turns=2, axis=(0, 0, 1), variety=(0, 10, 0),
                 bumps=0.05)  # fmt: skip
 
 
@@ -108,13 +115,33 @@ def _lathe(name: str, profile: list[tuple[float, float]], wall: float, **more: o
 def vase() -> Kind:
     """A vase: every turn about its axis is a symmetry."""
     outline = [(0.0, 0.11), (0.10, 0.15), (0.30, 0.19), (0.45, 0.13), (0.58, 0.085), (0.70, 0.13)]
-    return _lathe("vase", outline, 0.045, landmarks={"base": (0, 0, 0)}, turns=24, smooth=True, length=1.4)
+    return _lathe(
+        "vase",
+        outline,
+        0.045,
+        landmarks={"base": (0, 0, 0)},
+        turns=24,
+        smooth=True,
+        length=1.6,
+        thickness=1.6,
+        variety=(0, 0, 0),
+    )
 
 
 def cup() -> Kind:
     """A cup without a handle."""
     outline = [(0.0, 0.13), (0.10, 0.16), (0.25, 0.19), (0.42, 0.21)]
-    return _lathe("cup", outline, 0.045, landmarks={"base": (0, 0, 0)}, turns=24, smooth=True, length=1.4)
+    return _lathe(
+        "cup",
+        outline,
+        0.045,
+        landmarks={"base": (0, 0, 0)},
+        turns=24,
+        smooth=True,
+        length=1.6,
+        thickness=1.6,
+        variety=(0, 0, 0),
+    )
 
 
 def mug() -> Kind:
@@ -128,7 +155,7 @@ def mug() -> Kind:
     ]  # fmt: skip
     outer = [bone for bone in plain.bones if not bone.carved]
     carved = [bone for bone in plain.bones if bone.carved]
-    return Kind("mug", outer + handle + carved, {"handle": (0, 0.24, 0.32), "base": (0, 0, 0)}, genus=1, length=1.4,
+    return Kind("mug", outer + handle + carved, {"handle": (0, 0.24, 0.32), "base": (0, 0, 0)}, genus=1, length=1.6,
                 bumps=0.05)  # fmt: skip
 
 
@@ -144,8 +171,7 @@ def bone() -> Kind:
         B("inner", "lower", (0.062, -0.43, -0.035), (0.062, -0.425, 0.03), 0.060, 0.055, 0.02),
         B("outer", "lower", (-0.062, -0.42, -0.025), (-0.062, -0.42, 0.04), 0.052, 0.058, 0.02),
     ]  # fmt: skip
-    return Kind("bone", bones, {"ball": (0.18, 0.5, 0.04), "inner": (0.07, -0.5, -0.03)}, mirror=False, length=1.25,
-                thickness=1.25)  # fmt: skip
+    return Kind("bone", bones, {"ball": (0.18, 0.5, 0.04), "inner": (0.07, -0.5, -0.03)}, mirror=False, thickness=1.35)  # fmt: skip
 
 
 def molar() -> Kind:
@@ -160,7 +186,7 @@ def molar() -> Kind:
         B("cusp5", "crown", (0.01, 0.13, -0.24), (0.01, 0.17, -0.27), 0.06, 0.04, 0.05),
     ]  # fmt: skip
     landmarks = {f"cusp{k}": tuple(bones[k + 1].tail) for k in range(1, 6)}
-    return Kind("molar", bones, landmarks, mirror=False, cut=-0.16, length=1.35, thickness=1.3, bumps=0.12)
+    return Kind("molar", bones, landmarks, mirror=False, cut=-0.16, variety=(12, 12, 12))
 
 
 def chair() -> Kind:
@@ -173,7 +199,7 @@ def chair() -> Kind:
         B("hind.L", "seat", (0.165, 0.40, -0.165), (0.18, 0.03, -0.19), 0.032, 0.026, 0.015, joint=(3, 0, 3), size="leg"),
     ]  # fmt: skip
     return Kind(
-        "chair", bones, {"front.L": (0.18, 0, 0.18), "hind.L": (0.18, 0, -0.19)}, length=1.35, thickness=1.2, bumps=0.08
+        "chair", bones, {"front.L": (0.18, 0, 0.18), "hind.L": (0.18, 0, -0.19)}, length=1.6, thickness=1.3, bumps=0.08
     )
 
 
@@ -184,7 +210,7 @@ def table() -> Kind:
         B("front.L", "top", (0.36, 0.48, 0.20), (0.38, 0.03, 0.21), 0.036, 0.028, 0.015, joint=(3, 0, 3), size="leg"),
         B("hind.L", "top", (0.36, 0.48, -0.20), (0.38, 0.03, -0.21), 0.036, 0.028, 0.015, joint=(3, 0, 3), size="leg"),
     ]  # fmt: skip
-    return Kind("table", bones, {"front.L": (0.38, 0, 0.21), "hind.L": (0.38, 0, -0.21)}, turns=2, length=1.35, thickness=1.25,
+    return Kind("table", bones, {"front.L": (0.38, 0, 0.21), "hind.L": (0.38, 0, -0.21)}, turns=2, length=1.6, thickness=1.35, variety=(0, 0, 0),
                 bumps=0.08)  # fmt: skip
 
 
