@@ -96,6 +96,7 @@ def test_the_sets_are_read_by_the_benchmark(written):
     assert teddy.cases[0].truth.mirrored is not None
     assert find_dataset(written / "molar").cases[0].truth.mirrored is None
     assert json.loads((written / "vase" / "family.json").read_text())["turns"] == 24
+    assert "| vase | closed, genus 0 | yes | all (24 are listed) |" in (written / "README.md").read_text()
 
 
 def test_same_seed_same_bytes(written, tmp_path):

@@ -179,6 +179,25 @@ def write_unrelated(families: dict[str, Family], folder: Path) -> None:
     (folder / "unrelated.txt").write_text("".join(lines))
 
 
+def write_readme(kinds: list[Kind], folder: Path) -> None:
+    """What a user of the data must know: the symmetries of each kind, and where to read on."""
+    lines = [
+        "# Families of shapes with exact truth",
+        "",
+        "Written by `tools/families.py` of mobius-match; its `docs/families.md` says what each file means.",
+        "A map is right up to the symmetry if it agrees with `corres/NAME.vts` or one of `corres/NAME.turnK.vts`;",
+        "`corres/NAME.sym.vts` is the mirror image, which reverses orientation.",
+        "",
+        "| kind | surface | mirror plane | turns about its axis that change nothing at rest |",
+        "|---|---|---|---|",
+    ]
+    for kind in kinds:
+        shape = "open, one rim" if kind.cut is not None else f"closed, genus {kind.genus}"
+        turns = f"all ({kind.turns} are listed)" if kind.smooth else str(kind.turns)
+        lines.append(f"| {kind.name} | {shape} | {'yes' if kind.mirror else 'no'} | {turns} |")
+    (folder / "README.md").write_text("\n".join(lines) + "\n")
+
+
 def main(arguments: list[str] | None = None) -> None:
     """Write the families that are asked for."""
     parser = argparse.ArgumentParser(description="Write families of shapes with exact truth.")
@@ -196,6 +215,7 @@ def main(arguments: list[str] | None = None) -> None:
     for name in names:
         families[name] = Family(KINDS[name], given.instances, given.seed, tuple(given.vertices))
         families[name].write(given.out / name)
+    write_readme([KINDS[name] for name in names], given.out)
     write_related(families, given.out)
     write_unrelated(families, given.out)
 
