@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.stats import spearmanr
 
-from mobius_match.geometry.curvature import curvatures, rank_correlation, ranks, smoothed_density
+from mobius_match.geometry.curvature import Curvatures, rank_correlation, ranks, smoothed_density
 from mobius_match.geometry.laplacian import intrinsic_mesh
 from mobius_match.geometry.spectral import eigenbasis
 from tests.shapes import bent, grid, icosphere, lump
@@ -32,7 +32,7 @@ def test_the_integral_is_kept():
 def test_curvatures_of_a_sphere_in_its_units():
     """1 / r^2 and 1 / r at every radius of the smoothing."""
     vertices, faces = icosphere(3)
-    found = curvatures(4 * vertices, faces, (0.8, 1.6))
+    found = Curvatures(4 * vertices, faces).smoothed((0.8, 1.6))
     np.testing.assert_allclose(found, np.tile([1 / 16, 1 / 4], (len(vertices), 2)), rtol=0.02)
 
 

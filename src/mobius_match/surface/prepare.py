@@ -12,7 +12,7 @@ from threadpoolctl import threadpool_limits
 from .._core.threads import Progress
 from .._core.timing import Stopwatch
 from ..errors import MeshError
-from ..geometry.curvature import gauss_curvature, mean_curvature
+from ..geometry.curvature import integrated_curvatures, smoothed_density
 from ..geometry.geodesics import geodesic_solver, heat_solver, nearest_centres
 from ..geometry.laplacian import intrinsic_mesh
 from ..geometry.spectral import eigenbasis, wave_kernel_signature
@@ -242,15 +242,13 @@ def _prepare(
     progress(f"describing {mesh.name}", 2, 3)
     eigenvalues, eigenfunctions = eigenbasis(triangulation, parameters.eigenfunctions)
     signatures = wave_kernel_signature(eigenvalues, eigenfunctions[samples.vertices])
-    curvatures = np.stack(
+    integrated = integrated_curvatures(triangulation, vertices, mesh.faces)
+    curvatures = np.column_stack(
         [
-            gauss_curvature(triangulation, parameters.curvature_radius),
-            *(
-                mean_curvature(triangulation, vertices, mesh.faces, radius)
-                for radius in (parameters.curvature_radius, parameters.wide_curvature_radius)
-            ),
+            smoothed_density(triangulation, integrated, parameters.curvature_radius),
+            smoothed_density(triangulation, integrated[:, 1], parameters.wide_curvature_radius),
         ]
-    )
+    ).T
     proxy = proxy_points(areas, parameters.proxy_size, samples.vertices)
     # A boundary along which a handle was cut open is no edge of a disc.
     rim = np.isin(mesh.vertex_ids[boundary_edges(mesh.faces)], np.concatenate([*loops, []])).all()
@@ -277,7 +275,7 @@ def _prepare(
         proxy=proxy,
         proxy_edges=np.unique(touching[touching[:, 0] < touching[:, 1]], axis=0),
         proxy_distances=(samples.distances[:, proxy] * scale).astype(np.float32),
-        curvatures=curvatures.astype(np.float32),
+        curvatures=np.ascontiguousarray(curvatures, np.float32),
         cut_vertex=int(np.argmin(average)),
         closure=flattening.closure,
         loops=np.array([vertex for loop in loops for vertex in loop.tolist()], np.int64),

@@ -12,7 +12,7 @@ from mobius_match.evaluation import examples
 from mobius_match.geometry.directions import directions
 from mobius_match.geometry.geodesics import geodesic_solver
 from mobius_match.geometry.normals import vertex_normals
-from mobius_match.matching.partial.agreement import BATCH, Paths, agreement, differences, match_by_distances
+from mobius_match.matching.partial.agreement import BATCH, Paths, agreement, images_by_triplets, match_by_distances
 from mobius_match.matching.partial.decision import part_notes
 from mobius_match.matching.partial.locate import Placement
 from mobius_match.matching.partial.matches import match_probabilities, probability, support
@@ -348,8 +348,9 @@ def test_agreement_is_the_formula(threads):
     angles = np.abs(sines(first, triplets[0])[..., None] - sines(second, triplets[1])[:, :, None]).mean(axis=1)
     errors = lengths + 0.2 * angles + costs
     np.testing.assert_allclose(totals, np.exp(-errors.min(axis=2) / 0.3).mean(axis=1), rtol=1e-5)
-    one = differences(first.of(triplets[0][3]), second.of(triplets[1][3]), costs, 0.2)
-    np.testing.assert_allclose(one, errors[3], rtol=1e-5)
+    images = np.empty((len(errors), 7), np.int64)
+    images_by_triplets(first, second, costs, *triplets, 0.2, images)
+    np.testing.assert_allclose(np.take_along_axis(errors, images[..., None], 2)[..., 0], errors.min(axis=2), rtol=1e-5)
 
 
 def test_match_by_distances_is_the_formula():

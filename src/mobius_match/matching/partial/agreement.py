@@ -81,8 +81,13 @@ def agreement(
     def evaluate(part: slice) -> None:
         _agreement(first, second, costs, triplets1[part], triplets2[part], weight, 3 * scale, totals[part])
 
-    list(pool.map(evaluate, (slice(start, start + BATCH) for start in range(0, len(totals), BATCH))))
+    list(pool.map(evaluate, batches(len(totals))))
     return totals
+
+
+def batches(count: int) -> list[slice]:
+    """So many triplets, divided into those that a thread evaluates at a time."""
+    return [slice(start, start + BATCH) for start in range(0, count, BATCH)]
 
 
 @jit
@@ -135,15 +140,48 @@ def _agreement(
         totals[i] = total / len(costs)
 
 
-def differences(first: Paths, second: Paths, costs: np.ndarray, direction_weight: float) -> np.ndarray:
-    """The errors (p1, p2) of all pairs of points in :func:`agreement`, for one triplet from which the paths are."""
-    lengths = np.abs(first.lengths[:, :, None] - second.lengths[:, None]).mean(axis=0)
-    sines1, sines2 = (x * np.roll(y, -1, axis=0) - y * np.roll(x, -1, axis=0) for _, x, y in (first, second))
-    sines = np.abs(sines1[:, :, None] - sines2[:, None]).mean(axis=0)
-    return np.asarray(lengths + direction_weight * sines + costs)
-
-
 @jit
+def images_by_triplets(
+    first: Paths,
+    second: Paths,
+    costs: np.ndarray,
+    triplets1: np.ndarray,
+    triplets2: np.ndarray,
+    direction_weight: float,
+    images: np.ndarray,
+) -> None:
+    """Write the point (I, P1) of the target with the least error, as in :func:`agreement`, for each of the source."""
+    three, weight, size = np.float32(3), np.float32(direction_weight), costs.shape[1]
+    row, sines = np.empty(size, np.float32), np.empty((3, size), np.float32)
+    for i in range(len(triplets1)):
+        for k in range(3):
+            one, two = triplets2[i, k], triplets2[i, (k + 1) % 3]
+            for q in range(size):
+                sines[k, q] = second.x[one, q] * second.y[two, q] - second.y[one, q] * second.x[two, q]
+        a, b, c = (
+            second.lengths[triplets2[i, 0]],
+            second.lengths[triplets2[i, 1]],
+            second.lengths[triplets2[i, 2]],
+        )
+        s, t, u = sines[0], sines[1], sines[2]
+        for p in range(len(costs)):
+            i1, i2, i3 = triplets1[i, 0], triplets1[i, 1], triplets1[i, 2]
+            x, y, z = first.lengths[i1, p], first.lengths[i2, p], first.lengths[i3, p]
+            f = first.x[i1, p] * first.y[i2, p] - first.y[i1, p] * first.x[i2, p]
+            g = first.x[i2, p] * first.y[i3, p] - first.y[i2, p] * first.x[i3, p]
+            h = first.x[i3, p] * first.y[i1, p] - first.y[i3, p] * first.x[i1, p]
+            for q in range(size):
+                lengths = (abs(x - a[q]) + abs(y - b[q]) + abs(z - c[q])) / three
+                angles = (abs(f - s[q]) + abs(g - t[q]) + abs(h - u[q])) / three
+                row[q] = (lengths + weight * angles) + costs[p, q]
+            best = 0
+            for q in range(size):
+                if row[q] < row[best]:
+                    best = q
+            images[i, p] = best
+
+
+@jit(fastmath={"contract", "nnan", "nsz"})
 def match_by_distances(
     first: Paths, second: Paths, costs: np.ndarray, cap: float, soft: float, direction_weight: float
 ) -> np.ndarray:
@@ -173,25 +211,52 @@ def match_by_distances(
     size = costs.shape[1]
     image, row = np.empty(len(costs), np.int64), np.empty(size, np.float32)
     along, across = np.empty(size, np.float32), np.empty(size, np.float32)
-    most = np.float32(cap)
+    most, count = np.float32(cap), len(first.lengths)
     for p in range(len(costs)):
         row[:], along[:], across[:] = 0, 0, 0
         weights = np.float32(0)
-        for k in range(len(first.lengths)):
-            length, lengths = first.lengths[k, p], second.lengths[k]
-            share = np.float32(1 / (length + soft))
+        # Two landmarks at a time, since sums in memory take longer than sums in registers.
+        for k in range(0, count, 2):
+            j = min(k + 1, count - 1)
+            length, length_j = first.lengths[k, p], first.lengths[j, p]
+            share, share_j = np.float32(1 / (length + soft)), np.float32(1 / (length_j + soft))
+            if j == k:
+                share_j = np.float32(0)
             weights += share
-            x, y, x2, y2 = share * first.x[k, p], share * first.y[k, p], second.x[k], second.y[k]
+            weights += share_j
+            x, y, x_j, y_j = (
+                share * first.x[k, p],
+                share * first.y[k, p],
+                share_j * first.x[j, p],
+                share_j * first.y[j, p],
+            )
+            lengths, x2, y2 = second.lengths[k], second.x[k], second.y[k]
+            lengths_j, x2_j, y2_j = second.lengths[j], second.x[j], second.y[j]
             for q in range(size):
-                row[q] += share * min(abs(length - lengths[q]), most)
-                along[q] += x * x2[q] + y * y2[q]
-                across[q] += y * x2[q] - x * y2[q]
+                near, near_j = min(abs(length - lengths[q]), most), min(abs(length_j - lengths_j[q]), most)
+                row[q] = (row[q] + share * near) + share_j * near_j
+                along[q] = (along[q] + (x * x2[q] + y * y2[q])) + (x_j * x2_j[q] + y_j * y2_j[q])
+                across[q] = (across[q] + (y * x2[q] - x * y2[q])) + (y_j * x2_j[q] - x_j * y2_j[q])
         of_distances, of_directions = np.float32(1 / weights), np.float32(direction_weight / weights)
         best = 0
         for q in range(size):
             agreeing = math.sqrt(along[q] * along[q] + across[q] * across[q])
             row[q] = row[q] * of_distances + costs[p, q] - of_directions * agreeing
+        for q in range(size):
             if row[q] < row[best]:
                 best = q
         image[p] = best
     return image
+
+
+@jit
+def mean_differences(first: np.ndarray, second: np.ndarray, weight: float, cap: float) -> np.ndarray:
+    """Weighted mean absolute differences (p, q) float32 of the rows of (p, c) and (q, c), none above the cap."""
+    out = np.empty((len(first), len(second)), np.float32)
+    for i in range(len(first)):
+        for j in range(len(second)):
+            total = 0.0
+            for k in range(first.shape[1]):
+                total += abs(first[i, k] - second[j, k])
+            out[i, j] = min(weight * (total / first.shape[1]), cap)
+    return out

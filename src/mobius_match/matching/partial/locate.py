@@ -11,7 +11,7 @@ from ..._core.display import one_line
 from ...alignments.clusters import cluster_triplets
 from ...registration.sparse import Registration, register
 from ...voting.proposals import guided_triplets
-from .agreement import agreement, differences, match_by_distances
+from .agreement import agreement, batches, images_by_triplets, match_by_distances
 from .pair import PartPair
 
 
@@ -43,11 +43,15 @@ class Placement:
         return min((margin for margin, _ in self.rivals), default=np.inf)
 
 
-def fit(pair: PartPair, generator: np.random.Generator, pool: ThreadPoolExecutor) -> float:
-    """How well the part fits anywhere on the whole, at its size: 0 to 1."""
-    constants = pair.parameters
-    *_, totals = _best_triplets(pair, generator, constants.sizing_triplets, pool)
-    return float(totals.mean()) if len(totals) == round(constants.best_share * constants.sizing_triplets) else 0.0
+def fits(pairs: list[PartPair], seed: int, pool: ThreadPoolExecutor) -> list[float]:
+    """How well a part fits anywhere on the whole, at each of several sizes: 0 to 1."""
+    count = pairs[0].parameters.sizing_triplets
+    triplets = pool.map(lambda pair: draw_triplets(pair, np.random.default_rng(seed), count), pairs)
+    found = []
+    for pair, drawn in zip(pairs, triplets, strict=True):
+        *_, totals = _best_triplets(pair, *drawn, count, pool)
+        found.append(float(totals.mean()) if len(totals) == round(pair.parameters.best_share * count) else 0.0)
+    return found
 
 
 def locate(pair: PartPair, generator: np.random.Generator, pool: ThreadPoolExecutor) -> Placement | None:
@@ -126,21 +130,29 @@ def _map_by_landmarks(pair: PartPair, landmarks1: np.ndarray, landmarks2: np.nda
     )
 
 
-def _best_triplets(
-    pair: PartPair, generator: np.random.Generator, count: int, pool: ThreadPoolExecutor
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """The best of that many triplets, (B, 3) samples of part and whole, and their agreement (B,), best first."""
-    constants = pair.parameters
+def draw_triplets(pair: PartPair, generator: np.random.Generator, count: int) -> tuple[np.ndarray, np.ndarray]:
+    """At most so many triplets (I, 3) of samples of the part and of the whole."""
     costs = pair.curvature_cost(pair.samples1, pair.samples2)
     triplets1, triplets2 = guided_triplets(
         generator,
         count,
         pair.part.normalized_distances,
         pair.whole.normalized_distances,
-        costs <= np.quantile(costs, constants.allowed_share),
+        costs <= np.quantile(costs, pair.parameters.allowed_share),
         pair.voting.least_spread,
         pair.voting.length_tolerance,
     )
+    return triplets1, triplets2
+
+
+def _best_triplets(
+    pair: PartPair, triplets1: np.ndarray, triplets2: np.ndarray, count: int, pool: ThreadPoolExecutor
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """The best of triplets (I, 3) of samples of part and whole, and their agreement (B,), best first.
+
+    B is a share of the number that was to be drawn.
+    """
+    constants = pair.parameters
     points1, points2 = (
         np.arange(0, len(surface.proxy), max(1, len(surface.proxy) // number))
         for surface, number in zip((pair.part, pair.whole), constants.points, strict=True)
@@ -162,18 +174,21 @@ def _best_triplets(
 def coarse_maps(pair: PartPair, generator: np.random.Generator, pool: ThreadPoolExecutor) -> list[np.ndarray]:
     """Maps of the part's proxy to the whole's (P1,) that the best triplets agree on, best first."""
     constants = pair.parameters
-    triplets1, triplets2, totals = _best_triplets(pair, generator, constants.triplets, pool)
+    drawn = draw_triplets(pair, generator, constants.triplets)
+    triplets1, triplets2, totals = _best_triplets(pair, *drawn, constants.triplets, pool)
     if not len(totals):
         return []
     at_samples = pair.at_samples()
     paths1, paths2 = at_samples.paths1, pair.paths2.to(pair.samples2)
     costs = at_samples.curvature_costs[:, pair.samples2]
 
-    def matched(triplet: tuple[np.ndarray, np.ndarray]) -> np.ndarray:
-        one, two = triplet
-        return differences(paths1.of(one), paths2.of(two), costs, constants.direction_weight).argmin(axis=1)
+    images = np.empty((len(totals), len(costs)), np.int64)
 
-    images = np.stack(list(pool.map(matched, zip(triplets1, triplets2, strict=True))))
+    def match(some: slice) -> None:
+        triplets = triplets1[some], triplets2[some]
+        images_by_triplets(paths1, paths2, costs, *triplets, constants.direction_weight, images[some])
+
+    list(pool.map(match, batches(len(totals))))
     groups = cluster_triplets(images, pair.whole.normalized_distances, totals, constants.distinct, 0.0, len(images))
     landmarks = [_agreed_landmarks(pair, images[group], totals[group]) for group in groups]
     map_costs = list(pool.map(lambda both: at_samples.map_cost(_map_by_landmarks(at_samples, *both)), landmarks))

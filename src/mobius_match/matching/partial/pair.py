@@ -7,7 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
-from ...geometry.curvature import curvatures, rank_correlation
+from ...geometry.curvature import Curvatures, rank_correlation
 from ...geometry.directions import directions
 from ...geometry.normals import vertex_normals
 from ...landmarks.constraints import LandmarkConstraints
@@ -16,7 +16,7 @@ from ...registration.sparse import Registration
 from ...registration.strain import mean_stretch
 from ...surface.surface import PartialSurface, Surface
 from ...voting.parameters import VotingParameters
-from .agreement import Paths
+from .agreement import Paths, mean_differences
 from .parameters import PartialParameters
 
 
@@ -50,25 +50,27 @@ class PartPair:
         self.voting = voting
         self.paths1, self.paths2 = _paths(self.part), _paths(whole)
         self.samples1, self.samples2 = (np.searchsorted(surface.proxy, surface.samples) for surface in (part, whole))
-        curvatures2 = self._curvatures(whole)
+        curvatures2 = self._smoothed(_curvatures(whole), whole)
         self._deviation = np.maximum(curvatures2[whole.proxy].std(axis=0), 1e-9)
         self.curvatures2 = curvatures2 / self._deviation
-        self.curvatures1 = self._curvatures(self.part)[part.proxy] / self._deviation
+        self._of_part = _curvatures(self.part)
+        self.curvatures1 = self._smoothed(self._of_part, self.part)[part.proxy] / self._deviation
 
     def scaled(self, size: float) -> PartPair:
         """The same with the part at a multiple of the size in its file."""
         pair = copy(self)
         pair.__dict__.pop("curvature_costs", None)
         pair.part = PartialSurface.of(self.part, self.whole.area / size**2)
-        pair.paths1 = _paths(pair.part)
-        pair.curvatures1 = self._curvatures(pair.part)[pair.part.proxy] / self._deviation
+        lengths = (pair.part.proxy_distances / pair.part.scale).astype(np.float32)
+        pair.paths1 = self.paths1._replace(lengths=lengths)
+        pair.curvatures1 = self._smoothed(self._of_part, pair.part)[pair.part.proxy] / self._deviation
         return pair
 
-    def _curvatures(self, surface: Surface) -> np.ndarray:
-        vertices = (surface.mesh.vertices - surface.mesh.vertices.mean(axis=0)) / surface.scale
+    def _smoothed(self, curvatures: Curvatures, surface: Surface) -> np.ndarray:
+        """Curvatures (n, 4) of a surface at its size."""
         constants = surface.parameters
         radii = constants.curvature_radius, constants.wide_curvature_radius
-        return curvatures(vertices, surface.mesh.faces, radii)
+        return curvatures.smoothed(radii, float(np.sqrt(surface.area) / surface.scale))
 
     def at_samples(self) -> PartPair:
         """The same with the samples of the part as all of its points, to compare many maps."""
@@ -84,9 +86,8 @@ class PartPair:
         With given pairs of points, also of the difference of the distances from these.
         """
         constants = self.parameters
-        columns = zip(self.curvatures1[points1].T, self.curvatures2[self.whole.proxy[points2]].T, strict=True)
-        difference = sum(np.abs(one[:, None] - two) for one, two in columns) / self.curvatures1.shape[1]
-        costs = np.minimum(constants.curvature_weight * difference, constants.error_cap).astype(np.float32)
+        curvatures = self.curvatures1[points1], self.curvatures2[self.whole.proxy[points2]]
+        costs = np.asarray(mean_differences(*curvatures, constants.curvature_weight, constants.error_cap))
         if self.constraints is not None:
             vertices = self.part.proxy[points1], self.whole.proxy[points2]
             disagreement = self.constraints.disagreement(self.part, self.whole, *vertices)
@@ -125,7 +126,8 @@ class PartPair:
         """How well the angles between paths from landmarks agree at points and at their images, (P1,) in [0, 1]."""
         landmarks2 = self.compared(image)[0]
         here = self.paths1.x + 1j * self.paths1.y
-        there = (self.paths2.x + 1j * self.paths2.y)[np.ix_(landmarks2, image)]
+        here_to_there = np.ix_(landmarks2, image)
+        there = self.paths2.x[here_to_there] + 1j * self.paths2.y[here_to_there]
         most = np.maximum((np.abs(here) * np.abs(there)).sum(axis=0), 1e-9)
         return np.asarray(np.abs((here * there.conj()).sum(axis=0)) / most)
 
@@ -160,3 +162,9 @@ def _paths(surface: Surface) -> Paths:
     normals = vertex_normals(points, faces)[surface.proxy]
     xy = directions(points[surface.proxy], normals, surface.proxy_edges, surface.proxy_distances)
     return Paths((surface.proxy_distances / surface.scale).astype(np.float32), *xy)
+
+
+def _curvatures(surface: Surface) -> Curvatures:
+    """Of the surface scaled to area 1."""
+    vertices = surface.mesh.vertices - surface.mesh.vertices.mean(axis=0)
+    return Curvatures(vertices / np.sqrt(surface.area), surface.mesh.faces)

@@ -24,7 +24,7 @@ from ...registration.sparse import Registration
 from ...surface.surface import Surface
 from ...voting.parameters import VotingParameters
 from .coverage import may_be_part
-from .locate import Placement, fit, locate, refined
+from .locate import Placement, fits, locate, refined
 from .matches import points_on_part, points_on_whole
 from .pair import PartPair
 from .parameters import PartialParameters
@@ -134,9 +134,9 @@ def locate_parts(
             if not may_be_part(part, parameters):
                 continue
             pair = PartPair(part, whole, parameters, registration, given, voting)
-            size, fits = best_size(pair, seed, pool)
+            size, best_fit = best_size(pair, seed, pool)
             pair = pair.scaled(size)
-            placement = locate(pair, np.random.default_rng(seed), pool) if fits else None
+            placement = locate(pair, np.random.default_rng(seed), pool) if best_fit else None
             if placement is not None:
                 found.append(at_better_size(Located(pair, size, placement, part_is_source)))
     return found
@@ -189,20 +189,20 @@ def best_size(pair: PartPair, seed: int, pool: ThreadPoolExecutor) -> tuple[floa
     size
         Multiple of the size in the file.
     fit
-        How well the part fits at the best of the sizes tried, in [0, 1]; see :func:`.locate.fit`.
+        How well the part fits at the best of the sizes tried, in [0, 1]; see :func:`.locate.fits`.
     """
     constants = pair.parameters
     equal, step = np.sqrt(pair.whole.area / pair.part.area), constants.size_step
     smallest = round(np.log(constants.smallest_share) / (2 * np.log(step)))
-    fits: dict[int, float] = {}
+    found: dict[int, float] = {}
     numbers = list(range(0, smallest - 1, -2))
     while numbers:
-        for number in numbers:
-            fits[number] = fit(pair.scaled(equal * step**number), np.random.default_rng(seed), pool)
+        pairs = list(pool.map(lambda number: pair.scaled(equal * step**number), numbers))
+        found.update(zip(numbers, fits(pairs, seed, pool), strict=True))
         # No part is larger than its whole, but one step more tells where the top is.
-        best = max((number for number in fits if number <= 0), key=fits.__getitem__)
-        numbers = [number for number in (best - 1, best + 1) if number not in fits]
+        best = max((number for number in found if number <= 0), key=found.__getitem__)
+        numbers = [number for number in (best - 1, best + 1) if number not in found]
     # The top of the parabola through three sizes.
-    below, middle, above = fits[best - 1], fits[best], fits[best + 1]
+    below, middle, above = found[best - 1], found[best], found[best + 1]
     vertex = best + (below - above) / (2 * (below - 2 * middle + above) or 1.0)
-    return float(equal * step ** min(vertex, 0.0)), fits[best]
+    return float(equal * step ** min(vertex, 0.0)), found[best]
