@@ -5,10 +5,12 @@ from __future__ import annotations
 from dataclasses import replace
 
 from ..registration.dense import dense_map
+from ..registration.sparse import Registration
 from ..results.surface_map import SurfaceMap
 from ..surface.surface import Surface
 from .alignment import Alignment, register_iteratively
 from .coarse_map import transport_plan
+from .cost import registration_cost
 from .parameters import AlignmentParameters
 
 
@@ -19,12 +21,31 @@ def dense_map_of_alignment(
 
     The slimmer surface, that of longer distances per sqrt(area), is deformed to the other. A long leg that has to be
     compressed to a short one spreads over it by its own rigidity; a short one that has to be stretched would hang on at
-    its ends alone, with a foot drawn over half a shin.
+    its ends alone, with a foot drawn over half a shin. Open surfaces have no limbs that tell: each of two is registered
+    to the other, and the cheaper registration is used.
     """
     slimness, other = (surface.normalized_distances.mean() for surface in (source, target))
-    if other <= slimness:
+    forward = other <= slimness
+    if min(source.rim_length, target.rim_length) >= parameters.discs.least_rim:
+        there = register_iteratively(source, target, alignment, parameters)
+        back = _registered_backward(source, target, alignment, parameters)
+        forward = registration_cost(source, target, there, parameters) <= registration_cost(
+            target, source, back, parameters
+        )
+        registration = there if forward else back
+    elif forward:
         registration = register_iteratively(source, target, alignment, parameters)
+    else:
+        registration = _registered_backward(source, target, alignment, parameters)
+    if forward:
         return dense_map(source, target, registration, parameters.registration)
+    return dense_map(target, source, registration, parameters.registration).inverse
+
+
+def _registered_backward(
+    source: Surface, target: Surface, alignment: Alignment, parameters: AlignmentParameters
+) -> Registration:
+    """The target registered to the source, along an alignment of the source, iteratively."""
     registered = alignment.registered(source, target, parameters)
     plan = transport_plan(source, target, registered.image, parameters.coarse_map)
     reversed_alignment = replace(
@@ -33,5 +54,4 @@ def dense_map_of_alignment(
         registration=None,
         constraints=alignment.constraints and alignment.constraints.inverse,
     )
-    registration = register_iteratively(target, source, reversed_alignment, parameters)
-    return dense_map(target, source, registration, parameters.registration).inverse
+    return register_iteratively(target, source, reversed_alignment, parameters)
