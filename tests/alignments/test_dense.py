@@ -9,7 +9,7 @@ from scipy.spatial import cKDTree
 import mobius_match as mm
 from mobius_match.alignments import dense
 from mobius_match.alignments.alignment import Alignment
-from mobius_match.alignments.cost import registration_cost
+from mobius_match.alignments.evidence import evidence, log_odds
 from mobius_match.alignments.parameters import AlignmentParameters
 from tests.shapes import cap, disc
 
@@ -18,7 +18,7 @@ PARAMETERS = replace(PARAMETERS, selection=replace(PARAMETERS.selection, repeats
 NOTHING_IS_OPEN = replace(PARAMETERS, discs=replace(PARAMETERS.discs, least_rim=np.inf))
 
 
-def test_of_two_open_surfaces_the_one_whose_registration_costs_less_is_deformed(monkeypatch):
+def test_of_two_open_surfaces_the_one_whose_registration_has_the_higher_score_is_deformed(monkeypatch):
     vertices, faces = cap(1, count=600)
     source, target = mm.prepare(cap(0, count=600)), mm.prepare((vertices * (1, 0.8, 1.3), faces))
     true_images = cKDTree(disc(600, seed=1)[0]).query(disc(600, seed=0)[0])[1]
@@ -32,7 +32,8 @@ def test_of_two_open_surfaces_the_one_whose_registration_costs_less_is_deformed(
     monkeypatch.setattr(dense, "dense_map", record)
     assert dense.dense_map_of_alignment(source, target, alignment, PARAMETERS) == "inverse"
     assert dense.dense_map_of_alignment(source, target, alignment, NOTHING_IS_OPEN) != "inverse"
-    cheaper, slimmer = calls
+    likelier, slimmer = calls
     assert slimmer[0] is source and source.normalized_distances.mean() > target.normalized_distances.mean()
-    assert cheaper[0] is target
-    assert registration_cost(*cheaper, PARAMETERS) < registration_cost(*slimmer, PARAMETERS)
+    assert likelier[0] is target
+    scores = log_odds([evidence(*likelier), evidence(*slimmer)], PARAMETERS.choice)
+    assert scores[0] > scores[1]

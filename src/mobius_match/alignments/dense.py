@@ -10,7 +10,7 @@ from ..results.surface_map import SurfaceMap
 from ..surface.surface import Surface
 from .alignment import Alignment, register_iteratively
 from .coarse_map import transport_plan
-from .cost import registration_cost
+from .evidence import evidence, log_odds
 from .parameters import AlignmentParameters
 
 
@@ -22,16 +22,15 @@ def dense_map_of_alignment(
     The slimmer surface, that of longer distances per sqrt(area), is deformed to the other. A long leg that has to be
     compressed to a short one spreads over it by its own rigidity; a short one that has to be stretched would hang on at
     its ends alone, with a foot drawn over half a shin. Open surfaces have no limbs that tell: each of two is registered
-    to the other, and the cheaper registration is used.
+    to the other, and the registration of higher score is used.
     """
     slimness, other = (surface.normalized_distances.mean() for surface in (source, target))
     forward = other <= slimness
     if min(source.rim_length, target.rim_length) >= parameters.discs.least_rim:
         there = register_iteratively(source, target, alignment, parameters)
         back = _registered_backward(source, target, alignment, parameters)
-        forward = registration_cost(source, target, there, parameters) <= registration_cost(
-            target, source, back, parameters
-        )
+        scores = log_odds([evidence(source, target, there), evidence(target, source, back)], parameters.choice)
+        forward = scores[0] >= scores[1]
         registration = there if forward else back
     elif forward:
         registration = register_iteratively(source, target, alignment, parameters)
