@@ -13,12 +13,9 @@ from typing import Any, Literal, TypedDict, get_args
 
 from .errors import SettingsError
 
-LEAST_PROBABILITY, LEAST_VOTES = 0.5, 0.1
-"""Defaults of the threshold: with guided proposals the match is more likely right than wrong; with uniform ones it is
-the confidence S of section 8, as a share of the votes."""
-
-LEAST_ALIGNMENT_PROBABILITY = 0.1
-"""Probability of the chosen alignment below which nothing counts as found: the shapes hardly belong together."""
+LEAST_PROBABILITY, LEAST_VOTES, LEAST_ALIGNMENT_PROBABILITY = 0.5, 0.1, 0.1
+"""Defaults of the threshold: with guided proposals the match is more likely right than wrong; with uniform ones it is a
+share of the votes (section 8). Below the third, the alignment's, nothing counts as found."""
 
 LARGEST_SPACING = 0.2
 """Largest spacing of matches per sqrt(area)."""
