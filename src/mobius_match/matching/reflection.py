@@ -16,6 +16,7 @@ from threadpoolctl import threadpool_limits
 from .._core.timing import Stopwatch
 from ..alignments.alignment import Alignment
 from ..alignments.cost import registered_map_cost, registration_cost
+from ..alignments.parameters import SelectionParameters
 from ..errors import MobiusError
 from ..landmarks.pairs import given_pairs
 from ..results.correspondence import Correspondence
@@ -84,8 +85,11 @@ def match_reflected(
         raise errors[0]
     mirrored, line = image in results, f"{source.mesh.name}: its mirror image was matched"
     if len(both) > 1:
-        probability = float(mirrored) if errors else reflection_probability(*results.values())
-        mirrored = probability > odds(parameters.alignment.selection.ambiguous_margin)
+        probability = float(mirrored)
+        if not errors:
+            probability, mirrored = reflection_probability(
+                results[source], results[image], parameters.alignment.selection
+            )
         diagnostics, line = {"reflected probability": probability}, f"{line} (probability {probability:.2f})"
     result = results[image if mirrored else source]
     if mirrored:
@@ -110,13 +114,20 @@ def _of_source(result: Correspondence, source: Surface, image: Surface) -> Corre
     )
 
 
-def reflection_probability(as_it_is: Correspondence, mirrored: Correspondence) -> float:
-    """The probability that it is the mirror image of the source that corresponds to the target.
+def reflection_probability(
+    as_it_is: Correspondence, mirrored: Correspondence, parameters: SelectionParameters
+) -> tuple[float, bool]:
+    """The probability that it is the mirror image of the source that corresponds to the target, and if that is clear.
 
-    By the costs of the two results, of the first kind that both have; 0.5 if there is none.
+    By the costs of the two results, of the first kind that both have; 0.5 if there is none. Strain differs between two
+    registrations along the same alignment, too: where it is in the cost, the margin is that up to which alignments are
+    compared further, else that of an ambiguous choice.
     """
     one, other = ({} if result._costs is None else result._costs() for result in (as_it_is, mirrored))
-    return next((odds(one[name] - other[name]) for name in one if name in other), 0.5)
+    name = next((name for name in one if name in other), None)
+    difference = 0.0 if name is None else one[name] - other[name]
+    margin = parameters.contest_margin if name == "registration" else parameters.ambiguous_margin
+    return odds(difference), difference > margin
 
 
 def odds(difference: float) -> float:
