@@ -17,6 +17,7 @@ from .._core.timing import Stopwatch
 from ..alignments.alignment import Alignment
 from ..alignments.cost import registered_map_cost
 from ..alignments.evidence import evidence, log_odds
+from ..alignments.parameters import SelectionParameters
 from ..errors import MobiusError
 from ..landmarks.pairs import given_pairs
 from ..results.correspondence import Correspondence
@@ -85,8 +86,11 @@ def match_reflected(
         raise errors[0]
     mirrored, line = image in results, f"{source.mesh.name}: its mirror image was matched"
     if len(both) > 1:
-        probability = float(mirrored) if errors else reflection_probability(*results.values())
-        mirrored = probability >= parameters.alignment.selection.doubted_below
+        probability = float(mirrored)
+        if not errors:
+            probability, mirrored = reflection_probability(
+                results[source], results[image], parameters.alignment.selection
+            )
         diagnostics, line = {"reflected probability": probability}, f"{line} (probability {probability:.2f})"
     result = results[image if mirrored else source]
     if mirrored:
@@ -111,13 +115,21 @@ def _of_source(result: Correspondence, source: Surface, image: Surface) -> Corre
     )
 
 
-def reflection_probability(as_it_is: Correspondence, mirrored: Correspondence) -> float:
-    """The probability that it is the mirror image of the source that corresponds to the target.
+def reflection_probability(
+    as_it_is: Correspondence, mirrored: Correspondence, parameters: SelectionParameters
+) -> tuple[float, bool]:
+    """The probability that it is the mirror image of the source that corresponds to the target, and if that is clear.
 
-    By the costs of the two results, of the first kind that both have; 0.5 if there is none.
+    By the costs of the two results, of the first kind that both have; 0.5 if there is none. The score of a registration
+    has its noise, so that its mirror image has to be beyond doubt; other costs have to differ more than readings of
+    handles that fit equally well.
     """
     one, other = ({} if result._costs is None else result._costs() for result in (as_it_is, mirrored))
-    return next((odds(one[name] - other[name]) for name in one if name in other), 0.5)
+    name = next((name for name in one if name in other), None)
+    difference = 0.0 if name is None else one[name] - other[name]
+    probability = odds(difference)
+    clear = probability >= parameters.sure_above if name == "registration" else difference > parameters.close_cost
+    return probability, clear
 
 
 def odds(difference: float) -> float:
