@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import numpy as np
+import scipy
+
 from ..registration.dense import dense_map
 from ..registration.sparse import Registration
 from ..results.surface_map import SurfaceMap
@@ -22,23 +25,32 @@ def dense_map_of_alignment(
     The slimmer surface, that of longer distances per sqrt(area), is deformed to the other. A long leg that has to be
     compressed to a short one spreads over it by its own rigidity; a short one that has to be stretched would hang on at
     its ends alone, with a foot drawn over half a shin. Open surfaces have no limbs that tell: each of two is registered
-    to the other, and the registration of higher score is used.
+    to the other, and the registration of higher score is used. So it is where the target, registered to the source,
+    ends in another alignment than the one that the matches are from.
     """
     slimness, other = (surface.normalized_distances.mean() for surface in (source, target))
-    forward = other <= slimness
-    if min(source.rim_length, target.rim_length) >= parameters.discs.least_rim:
+    both_open = min(source.rim_length, target.rim_length) >= parameters.discs.least_rim
+    if other <= slimness and not both_open:
         there = register_iteratively(source, target, alignment, parameters)
-        back = _registered_backward(source, target, alignment, parameters)
+        return dense_map(source, target, there, parameters.registration)
+    back = _registered_backward(source, target, alignment, parameters)
+    if both_open or not _same_alignment(
+        source, target, alignment.registered(source, target, parameters), back, parameters
+    ):
+        there = register_iteratively(source, target, alignment, parameters)
         scores = log_odds([evidence(source, target, there), evidence(target, source, back)], parameters.choice)
-        forward = scores[0] >= scores[1]
-        registration = there if forward else back
-    elif forward:
-        registration = register_iteratively(source, target, alignment, parameters)
-    else:
-        registration = _registered_backward(source, target, alignment, parameters)
-    if forward:
-        return dense_map(source, target, registration, parameters.registration)
-    return dense_map(target, source, registration, parameters.registration).inverse
+        if scores[0] >= scores[1]:
+            return dense_map(source, target, there, parameters.registration)
+    return dense_map(target, source, back, parameters.registration).inverse
+
+
+def _same_alignment(
+    source: Surface, target: Surface, there: Registration, back: Registration, parameters: AlignmentParameters
+) -> bool:
+    """Whether registrations of the source to the target and back are of one alignment, as in `distinct_alignments`."""
+    nearest = scipy.spatial.cKDTree(back.positions).query(source.mesh.vertices[source.proxy])[1]
+    apart = np.linalg.norm(target.mesh.vertices[target.proxy[nearest]] - there.positions, axis=1).mean()
+    return bool(apart < parameters.clusters.radius / 2 * target.scale)
 
 
 def _registered_backward(
