@@ -1,5 +1,7 @@
 """An envelope closes what is narrow, keeps its distance, and is told in the user's numbers."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -10,7 +12,11 @@ from mobius_match.mesh import topology as tp
 from mobius_match.mesh.envelope import _points_on, envelopes
 from mobius_match.mesh.handles import is_wild, number_of_handles
 from mobius_match.mesh.parameters import EnvelopeParameters
+from mobius_match.surface.parameters import SurfaceParameters
 from tests.shapes import icosphere, lump, rotation, torus
+
+COARSE = EnvelopeParameters(most_handles=10, close=0.04)
+"""The step of the grid is half of the distance of the close envelope."""
 
 
 def perforated(vertices, faces, tunnels, widest=0.1, wide=False, seed=0):
@@ -64,15 +70,14 @@ def check_envelope(vertices, made, offset):
 @pytest.mark.parametrize("scale", [1e-30, 1e30])
 def test_units_do_not_matter(scale):
     vertices, faces = perforated(*icosphere(3), 20, widest=0.2)
-    parameters = EnvelopeParameters(most_handles=10)
-    plain, scaled = (envelopes(repair(Mesh(vertices * s, faces)), parameters)[0].mesh for s in (1.0, scale))
+    plain, scaled = (envelopes(repair(Mesh(vertices * s, faces)), COARSE)[0].mesh for s in (1.0, scale))
     assert number_of_handles(plain.faces) == number_of_handles(scaled.faces)
     np.testing.assert_allclose(scaled.vertices / scale, plain.vertices, atol=1e-9)
 
 
 def test_wide_handles_are_left():
     mesh = repair(Mesh(*torus()))
-    (made,) = envelopes(mesh, EnvelopeParameters(most_handles=0))
+    (made,) = envelopes(mesh, replace(COARSE, most_handles=0))
     assert number_of_handles(made.mesh.faces) == 1 and not is_wild(1)
     assert made.offset == EnvelopeParameters().wide
 
@@ -95,7 +100,11 @@ def test_a_sponge_is_matched_in_its_own_numbers(tmp_path):
     vertices, faces = lump(4)
     n, turn = len(vertices), rotation(3)
     first, second = (perforated(vertices, faces, 60, wide=seed == 0, seed=seed) for seed in (0, 1))
-    one, two = (mm.prepare((v, f), samples=60, resolution=2000) for v, f in (first, (second[0] @ turn.T, second[1])))
+    smaller = SurfaceParameters(proxy_size=600)
+    one, two = (
+        mm.prepare((v, f), samples=60, resolution=2000, parameters=smaller)
+        for v, f in (first, (second[0] @ turn.T, second[1]))
+    )
     assert one.detail is not None and one.whole_mesh.n_file_vertices == 2 * n
     assert one.area > 1.4 * two.area and one.other.area == pytest.approx(two.other.area, rel=0.02)
     result = mm.match(one, two, votes=5000)
