@@ -23,7 +23,7 @@ import mobius_match as mm
 from mobius_match._core.files import write_atomically
 from mobius_match._core.parameters import varied
 from mobius_match._core.processes import Died, Workers
-from mobius_match.alignments.parameters import CostWeights
+from mobius_match.alignments.parameters import CostWeights, Evidence
 from mobius_match.errors import FormatError
 from mobius_match.evaluation import Case, Truth, find_dataset, summary
 from mobius_match.evaluation.work import match_pair, prepare_one, record_of, surface_path
@@ -45,12 +45,15 @@ PAGES = {
         """
 The ingredients that find and choose the right alignment matter for few pairs, and a selection of pairs may have none of
 these. They are measured again [where shapes differ](ablation-differing.md), on many runs.
+
+The table is from before the choice was made by [evidence](choice.md), which has taken the place of strain; the terms of
+the evidence are not among its rows, and extremities were matched in fewer cases.
 """,
         """
 ## Constants that were merged
 
-The method once had about 200 constants; 120 were left, to which discs, pieces and envelopes have added 15
-([parameters](parameters.md)). Of these groups, the ablation showed no difference between several constants and one:
+The method once had about 200 constants; 120 were left, to which discs, pieces, envelopes, rigid motions and the model of
+the choice have added others ([parameters](parameters.md)). Of these groups, the ablation showed no difference between several constants and one:
 
 - **Schedules of registration.** Sparse and dense registration had separate data weights, rounds and steps. There is one
   geometric sequence of weights, and the weight and the steps of the initial placement follow from it.
@@ -92,14 +95,16 @@ wrong alignment, so the number of wrong pairs, the last in each cell, matters mo
 Changes = dict[str, Any]
 """Values of parameters by name, or of a setting by its own."""
 
-STRAIN = "alignment.selection."
-CHOICE = "alignment.cost.weights."
+SELECTION = "alignment.selection."
+COST = "alignment.cost.weights."
+EVIDENCE = "alignment.choice.weights."
 REGISTRATION = "alignment.registration."
 CONFIDENCE = f"{REGISTRATION}confidence.slopes."
 COARSE = "alignment.coarse_map."
 
 
 COSTS = [one.name for one in fields(CostWeights) if one.name != "landmarks"]
+TERMS = [one.name for one in fields(Evidence)]
 SLOPES = [one.name for one in fields(ConfidenceTerms)]
 
 SETTINGS: dict[str, Changes] = {
@@ -117,12 +122,15 @@ SETTINGS: dict[str, Changes] = {
 
 PARAMETERS: dict[str, Changes] = {
     "descriptors in the votes": {"alignment.voting.similarity_width": np.inf},
-    "choice between alignments (votes, and strain)": {f"{CHOICE}{name}": 0.0 for name in COSTS},
-    **{f"choice: {name.replace('_', ' ')}": {f"{CHOICE}{name}": 0.0} for name in COSTS},
-    "choice: strain of close ones": {f"{STRAIN}most_contenders": 1},
-    "extremities, where shapes differ": {"alignment.extremities.most": 0},
-    "other beginnings, extremities and repeats, where shapes differ": {f"{STRAIN}different_above": np.inf},
-    "repeated registration, where shapes differ": {f"{STRAIN}repeats": 0},
+    "cost of alignments (votes, and evidence)": {f"{COST}{name}": 0.0 for name in COSTS},
+    **{f"cost: {name.replace('_', ' ')}": {f"{COST}{name}": 0.0} for name in COSTS},
+    "choice by evidence (least cost)": {f"{SELECTION}most_contenders": 1, f"{SELECTION}sure_above": 0.0},
+    **{f"evidence: {name.replace('_', ' ')}": {f"{EVIDENCE}{name}": 0.0} for name in TERMS},
+    "extremities and rigid motions": {f"{SELECTION}sure_above": 0.0},
+    "extremities": {"alignment.extremities.most": 0},
+    "rigid motions": {"alignment.poses.tried": 0},
+    "other beginnings and repeats, where shapes differ": {f"{SELECTION}different_above": np.inf},
+    "repeated registration, where shapes differ": {f"{SELECTION}repeats": 0},
     "descriptors in the coarse map": {f"{COARSE}descriptor_weight": 0.0},
     "transport (nearest points)": {f"{COARSE}transport.balance": 0.0},
     "upsampling in steps (all eigenfunctions at once)": {f"{COARSE}upsampling_step": 1000},

@@ -13,7 +13,7 @@ from mobius_match.settings import make_settings
 
 LEFT_OUT = (
     "nothing left out",
-    "choice: strain of close ones",
+    "choice by evidence (least cost)",
     "transport (nearest points)",
     "registration beyond the initial placement",
     "confidence: strain",
