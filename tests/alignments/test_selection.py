@@ -167,3 +167,16 @@ def test_the_symmetry_of_an_ellipsoid_is_named():
     assert result.confidence.max() > 0.8
     assert any("look the same in 4 alignments" in warning for warning in result.warnings)
     assert result.to_dict()["symmetry"] == {"order": 4}
+
+
+def test_alignments_that_end_in_one_registration_count_once(surface):
+    """A map that is mixed up within small neighbourhoods ends where the right one does."""
+    vertices = surface.mesh.vertices[surface.proxy]
+    near = np.linalg.norm(vertices[:, None] - vertices, axis=2).argsort(axis=1)[:, :8]
+    generator = np.random.default_rng(0)
+    mixed = surface.proxy[near[np.arange(len(near)), generator.integers(8, size=len(near))]]
+    right = Alignment(surface.proxy, {}, 1.0, 0.5)
+    found = choose_alignment(Candidates(surface, surface, NOTHING_FURTHER), [right, Alignment(mixed, {}, 1.1, 0.5)])
+    assert [one.order for one in found] == [1]
+    alone = choose_alignment(Candidates(surface, surface, NOTHING_FURTHER), [right])
+    assert found[0].probability == pytest.approx(alone[0].probability, abs=0.02)

@@ -35,12 +35,12 @@ def choose_alignment(candidates: Candidates, found: list[Alignment]) -> list[Ali
     if not rivals or rivals[0].probability < selection.sure_above:
         more, none = _registered(candidates, candidates.further(rivals + left), differ)
         rivals, left = rivals + more, left + none
-    rivals = with_probabilities(rivals, candidates.parameters)
+    rivals = with_probabilities(distinct_registrations(candidates, rivals), candidates.parameters)
     if not rivals:
         return []
     if len(equivalent(candidates, rivals)) + 1 >= selection.most_contenders:  # there may be more of them
         more, left = _registered(candidates, left, differ)
-        rivals = with_probabilities(rivals + more, candidates.parameters)
+        rivals = with_probabilities(distinct_registrations(candidates, rivals + more), candidates.parameters)
     chosen, *others = rivals
     same = equivalent(candidates, rivals)
     chosen = replace(chosen, probability=chosen.probability + sum(one.probability for one in same), order=1 + len(same))
@@ -72,6 +72,23 @@ def _registered(
 
     registered = map_threads(with_evidence, len(rivals), candidates.jobs, None)
     return with_probabilities(registered, parameters), found[len(rivals) :]
+
+
+def distinct_registrations(candidates: Candidates, alignments: list[Alignment]) -> list[Alignment]:
+    """Alignments without those whose registration ends where that of a more probable one does.
+
+    As in :func:`.distinct_alignments`; different beginnings may come to one end.
+    """
+    kept = list[Alignment]()
+    places = list[np.ndarray]()
+    for one in with_probabilities(alignments, candidates.parameters):
+        if one.registration is not None:
+            here = one.registration.positions / candidates.target.scale
+            apart = [np.linalg.norm(here - other, axis=1).mean() for other in places]
+            if min(apart, default=np.inf) >= candidates.parameters.clusters.radius / 2:
+                kept.append(one)
+                places.append(here)
+    return kept
 
 
 def equivalent(candidates: Candidates, alignments: list[Alignment]) -> list[Alignment]:
