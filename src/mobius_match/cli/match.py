@@ -115,7 +115,7 @@ def match(
         Option(
             metavar="S",
             help="Minimum confidence (0 to 1). Matches below it are dropped (with --proposal uniform: kept only if "
-            "neighbouring matches support them).  [default: 0.5; 0.1 for uniform]",
+            "neighbouring matches support them).  [default: 0.5 times the alignment's probability; 0.1 for uniform]",
         ),
     ] = None,
     spacing: Annotated[
