@@ -137,8 +137,8 @@ class MatchSettings(PrepareSettings):
     assignment
         ``"greedy"`` (max-row-column) or ``"linear"`` (global linear assignment), section 8.
     threshold
-        Minimum confidence of a match, 0 to 1. With guided proposals, matches below it are dropped; None: 0.5. With
-        uniform ones it is the paper's S: pairs below it are kept only if the others support them; None: 0.1.
+        Minimum confidence of a match, 0 to 1: others are dropped; None: 0.5 times the alignment's probability. With
+        uniform proposals the paper's S: pairs below it are kept only if the others support them; None: 0.1.
     recovery_radius
         Section 8's delta as a fraction of the geodesic diameter; 0 leaves recovered pairs out.
     spacing
