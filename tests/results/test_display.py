@@ -180,5 +180,5 @@ def test_a_notebook_shows_maps_surfaces_qualities_and_symmetries(result, dense):
 
 def test_alignments_without_registration_are_short():
     assert repr(Alignment(np.zeros(7, int), {"strain": 1.0}, 0.25, 0.5)) == (
-        "<Alignment: image (7,), cost_terms (1), cost 0.25, share 0.5, shapes_differ False, probability 0.0, order 1>"
+        "<Alignment: image (7,), cost_terms (1), cost 0.25, share 0.5, shapes_differ False, probability 0, order 1>"
     )

@@ -32,7 +32,9 @@ def result(mesh):
     pairs = np.stack([numbers, numbers], axis=1)
     kind = np.where(np.arange(24) % 3 == 2, "recovered", "voted")
     confidence = np.linspace(1, 0.54, 24)
-    other = Alternative(np.c_[numbers[:5], numbers[5:10]], confidence[:5], kind[:5], margin=0.125, share=0.25)
+    other = Alternative(
+        np.c_[numbers[:5], numbers[5:10]], confidence[:5], kind[:5], margin=0.125, share=0.25, probability=0.125
+    )
     return Correspondence(
         pairs=pairs,
         confidence=confidence,

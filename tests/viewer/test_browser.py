@@ -215,8 +215,7 @@ def test_other_alignments_can_be_selected(opened, result):
     choose(opened, "alignment", 1)
     (other,) = result.alternatives
     assert [[int(cell) for cell in row[1:3]] for row in opened.run(ROWS)] == other.pairs.tolist()
-    note = "Its cost is 0.12 higher than that of the best alignment (below 0.3 is close); "
-    note += "25% of the best triplets support it."
+    note = "It is the right alignment with a probability of 0.12. 25% of the best triplets support it."
     assert opened.run("document.getElementById('alignment-note').textContent") == note
     assert (np.abs(halves(opened)[1] - before).max(axis=2) > 0.1).mean() > 0.005
     choose(opened, "alignment", 0)

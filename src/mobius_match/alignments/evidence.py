@@ -7,9 +7,9 @@ these differ. :mod:`.selection` makes probabilities of them.
 from __future__ import annotations
 
 import numpy as np
-import scipy
 
 from ..geometry.curvature import rank_correlation
+from ..geometry.nearest_neighbors import nearest_neighbors
 from ..geometry.rotations import rigid_residual
 from ..registration.sparse import Registration
 from ..registration.strain import edge_stretches
@@ -20,7 +20,7 @@ from .parameters import ChoiceParameters, Evidence
 def evidence(source: Surface, target: Surface, registration: Registration) -> Evidence[float]:
     """The evidence for the alignment that a registration of the source to the target was made along."""
     here, there = registration.positions / target.scale, target.mesh.vertices[target.proxy] / target.scale
-    gaps, back = scipy.spatial.cKDTree(here).query(there)
+    back = nearest_neighbors(there, here)
     # Vertices of both surfaces that correspond: the source's with their images, and the target's with their preimages.
     forth = source.proxy, registration.image
     pairs = (forth, (source.proxy[back], target.proxy))
@@ -39,7 +39,7 @@ def evidence(source: Surface, target: Surface, registration: Registration) -> Ev
         bending=float(np.arccos(np.clip((traces - 1) / 2, -1, 1)).mean() / np.pi),
         rigidity=float(np.sqrt(rigid_residual(at_rest, here))),
         residual=float(registration.residual.mean()),
-        gap=float(gaps.mean()),
+        gap=float(np.linalg.norm(there - here[back], axis=1).mean()),
     )
 
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-import scipy
 
 from .._core.threads import Progress, map_threads
+from ..geometry.nearest_neighbors import nearest_neighbors
 from ..settings import LEAST_ALIGNMENT_PROBABILITY
 from .alignment import Alignment, by_cost, register_iteratively
 from .candidates import Candidates
@@ -101,11 +101,10 @@ def equivalent(candidates: Candidates, alignments: list[Alignment]) -> list[Alig
     source, parameters = candidates.source, candidates.parameters
     if chosen.registration is None:
         return []
-    back = scipy.spatial.cKDTree(chosen.registration.positions)
     found = []
     for one in others:
         if one.registration is not None and one.probability >= chosen.probability / 2:
-            onto_itself = back.query(one.registration.positions)[1]
+            onto_itself = nearest_neighbors(one.registration.positions, chosen.registration.positions)
             terms = cost_terms(source, source, onto_itself, parameters.cost)
             if total_cost(terms, parameters.cost.weights) <= parameters.selection.different_above:
                 found.append(one)
