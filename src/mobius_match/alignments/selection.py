@@ -38,11 +38,12 @@ def choose_alignment(candidates: Candidates, found: list[Alignment]) -> list[Ali
     rivals = with_probabilities(distinct_registrations(candidates, rivals), candidates.parameters)
     if not rivals:
         return []
-    if len(equivalent(candidates, rivals)) + 1 >= selection.most_contenders:  # there may be more of them
+    same = equivalent(candidates, rivals)
+    if len(same) + 1 >= selection.most_contenders:  # there may be more of them
         more, left = _registered(candidates, left, differ)
         rivals = with_probabilities(distinct_registrations(candidates, rivals + more), candidates.parameters)
+        same = equivalent(candidates, rivals)
     chosen, *others = rivals
-    same = equivalent(candidates, rivals)
     chosen = replace(chosen, probability=chosen.probability + sum(one.probability for one in same), order=1 + len(same))
     if differ:
         # What was registered once is where the repetition starts.
