@@ -1,6 +1,7 @@
 """Tools, furniture, vessels and the like. They are rigid but for hinges, so their other joints turn little."""
 
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 from bodies import Bone, Kind
@@ -112,36 +113,27 @@ def _lathe(name: str, profile: list[tuple[float, float]], wall: float, **more: o
     return Kind(name, bones, **more)
 
 
+ROUND: dict[str, Any] = {
+    "landmarks": {"base": (0, 0, 0)},
+    "turns": 24,
+    "smooth": True,
+    "length": 1.6,
+    "thickness": 1.6,
+    "variety": (0, 0, 0),
+}
+"""What vessels without a handle have in common: every turn about the axis is a symmetry."""
+
+
 def vase() -> Kind:
     """A vase: every turn about its axis is a symmetry."""
     outline = [(0.0, 0.11), (0.10, 0.15), (0.30, 0.19), (0.45, 0.13), (0.58, 0.085), (0.70, 0.13)]
-    return _lathe(
-        "vase",
-        outline,
-        0.045,
-        landmarks={"base": (0, 0, 0)},
-        turns=24,
-        smooth=True,
-        length=1.6,
-        thickness=1.6,
-        variety=(0, 0, 0),
-    )
+    return _lathe("vase", outline, 0.045, **ROUND)
 
 
 def cup() -> Kind:
     """A cup without a handle."""
     outline = [(0.0, 0.13), (0.10, 0.16), (0.25, 0.19), (0.42, 0.21)]
-    return _lathe(
-        "cup",
-        outline,
-        0.045,
-        landmarks={"base": (0, 0, 0)},
-        turns=24,
-        smooth=True,
-        length=1.6,
-        thickness=1.6,
-        variety=(0, 0, 0),
-    )
+    return _lathe("cup", outline, 0.045, **ROUND)
 
 
 def mug() -> Kind:
