@@ -17,7 +17,7 @@ from matplotlib.collections import LineCollection
 
 import mobius_match as mm
 from mobius_match._core.files import write_atomically
-from mobius_match.alignments.candidates import candidate_alignments
+from mobius_match.alignments.candidates import Candidates
 from mobius_match.alignments.coarse_map import refined_targets
 from mobius_match.alignments.parameters import AlignmentParameters
 from mobius_match.evaluation import examples
@@ -123,7 +123,10 @@ def alternatives(result):
         result, pairs=second.pairs, confidence=second.confidence, kind=second.kind, target_points=second.target_points
     )
     figure, row = plt.subplots(1, 2, figsize=(12, 4.2), layout="constrained")
-    titles = ("chosen", f"runner-up, its cost is {second.margin:.2f} higher: chest and arms swapped")
+    titles = (
+        f"chosen, probability {result.probability:.2f}",
+        f"runner-up, probability {second.probability:.2f}: chest and arms swapped",
+    )
     for axes, one, title in zip(row, (result, other), titles, strict=True):
         stream = io.BytesIO()
         draw_matches(one, stream, size=(1000, 640), view=(0, 8))
@@ -136,7 +139,7 @@ def alternatives(result):
 def registered(result):
     """The source's proxy: where it is, where the alignment's map sends it, and registered to the target."""
     source, target, parameters = result.source, result.target, AlignmentParameters()
-    chosen = candidate_alignments(source, target, result.votes, parameters)[0]
+    chosen = Candidates(source, target, parameters).voted(result.votes)[0]
     colours = colours_of(source.mesh.vertices[source.proxy])
     sent = target.mesh.vertices[refined_targets(source, target, chosen.image, source.proxy, parameters.coarse_map)]
     positions = chosen.registered(source, target, parameters).positions
